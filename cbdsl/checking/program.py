@@ -240,6 +240,11 @@ class _ProgramCheck:
         missing = self._compositions.missing.intersection(self._document.steps)
         if code == "CB620" and nearest_name(details["name"], missing):
             return
+        # A step or a condition that had to be left out has errors of its own.
+        section = {"CB616": "conditions", "CB620": "steps"}.get(code, "")
+        entries = getattr(self._document, section, {})
+        if source.declared(entries, section).get(details.get("name", "")) is UNKNOWN:
+            return
         place = source.key(*path) if spot.is_key else source.place(*path)
         if spot.span is not None:
             inside = source.inside_key if spot.is_key else source.inside

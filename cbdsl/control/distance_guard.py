@@ -39,9 +39,7 @@ def keep_apart(
     references: Floats,
     here: Floats,
     columns: Integers,
-    rows: Floats,
-    wanted: Floats,
-    ends: Integers,
+    above: tuple[Floats, Floats, Integers],
     levels: LevelArrays,
     law: LawArrays,
 ) -> Floats:
@@ -52,13 +50,14 @@ def keep_apart(
         references: References of all joints, rad, shape (all,).
         here: Measured positions of the levels' joints, rad, shape (n,).
         columns: Joint index of each of the levels' n joints, shape (n,).
-        rows, wanted, ends: Levels above the bounds, as in ``compose_below``.
+        above: Rows, requests and ends of the levels above the bounds, as in ``compose_below``.
         levels: Levels below, highest priority first.
         law: Bounds and guards, and the displacement; becomes the obedient displacement.
 
     Returns:
         The least displacement that obeys the bounds, rad, shape (n,): 0 unless links are too near.
     """
+    rows, wanted, ends = above
     measure(distances, references)
     slopes, allowed, numbers = _bounds(distances, len(references), columns)
     held, obedient, parting = np.zeros(len(slopes), np.bool_), np.empty(len(columns)), here * 0.0
@@ -72,17 +71,17 @@ def keep_apart(
         for k in range(len(held)):
             distances.pairs[numbers[k]].held = held[k]
             size += held[k]
-        above, requested = np.empty((size, len(columns))), np.empty(size)
+        stacked, requested = np.empty((size, len(columns))), np.empty(size)
         for k in range(len(rows)):
-            copy(above[k], rows[k], 1.0)
+            copy(stacked[k], rows[k], 1.0)
             requested[k] = wanted[k]
         size = len(rows)
         for k in range(len(held)):
             if held[k]:
-                copy(above[size], slopes[k], 1.0)
+                copy(stacked[size], slopes[k], 1.0)
                 requested[size] = allowed[k]
                 size += 1
-        compose_below(above, requested, np.append(ends, size), here, levels, law)
+        compose_below(stacked, requested, np.append(ends, size), here, levels, law)
     if math.isnan(law.displacement[0]):  # bounds that contradict each other
         copy(law.displacement, parting, 1.0)
     return parting

@@ -61,7 +61,7 @@ def move(
     if len(distances.pairs) == 0:
         _advance(references, joints, here, law)
         return ADVANCED
-    parting = keep_apart(distances, references, here, joints, *above, levels, law)
+    parting = keep_apart(distances, references, here, joints, above, levels, law)
     before = references.copy()
     _advance(references, joints, here, law)
     hold_back(distances, before, references, joints, parting)

@@ -43,7 +43,7 @@ def test_command_of_a_series_sets_the_same_constants(
     _, name, *words = shlex.split(series.command(3, 7, "mujoco", "ideal"))
     given = typer.main.get_command(app).make_context(name, words).params
     wanted = [f"{key}={value}" for key, value in series.settings.items()]
-    assert list(given["set_"] or []) == wanted
+    assert list(given["constants"] or []) == wanted
 
 
 @pytest.mark.slow

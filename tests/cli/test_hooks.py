@@ -50,7 +50,7 @@ def test_the_problem_matcher_finds_places(
 
 def test_workflows_on_the_page_are_yaml_with_valid_commands() -> None:
     blocks = re.findall(r"^```yml\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
-    assert len(blocks) == 4
+    assert len(blocks) == 3
     for block in blocks:
         assert yaml.safe_load(block)
     assert (shipped() / "robots").is_dir() and (shipped() / "programs").is_dir()

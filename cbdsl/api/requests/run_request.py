@@ -59,13 +59,13 @@ class RunRequest:
         Raises:
             UsageError: It is not a length, or the robot's start posture does not keep it.
         """
+        if clearance is None:
+            return self
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.kinematics.link_clearance import too_near_at_start
         from cbdsl.robot.urdf_reader import read_urdf
         from cbdsl.types.unit import QuantityError, read_quantity
 
-        if clearance is None:
-            return self
         try:
             least = read_quantity(clearance, ("length",))
         except QuantityError as error:

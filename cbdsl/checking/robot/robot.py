@@ -168,9 +168,9 @@ class _RobotCheck:
             )
 
     def _roles(self) -> None:
-        known = [*self._robot.effectors, *self._robot.groups]
         for role, name in self._robot.roles.items():
-            self._known(name, known, ("roles", role), "effector")
+            if name not in self._robot.groups:
+                self._known(name, self._effectors, ("roles", role), "effector")
 
     def _groups(self) -> None:
         for name, group in self._robot.groups.items():

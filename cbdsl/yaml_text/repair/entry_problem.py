@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from pathlib import PurePath
 
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
+_KEY_AND_PLAIN_VALUE = re.compile(r"(\w+)(:?)(?: +|(?<=:))\S")
 _KEY_AND_VALUE = re.compile(r"(\w+)(:?) *(?:&\w+ +)?[-{\[*]")
 
 
@@ -32,9 +34,19 @@ def key_problem(path: tuple[Step, ...], source: SourceMap) -> str | None:
     return None
 
 
-def text_problem(value: object) -> str | None:
-    """Return the mistake by which a key and its value became a text, or ``None``."""
-    match = _KEY_AND_VALUE.match(value) if isinstance(value, str) else None
+def text_problem(value: object, keys: Collection[str] = ()) -> str | None:
+    """Return the mistake by which a key and its value became a text, or ``None``.
+
+    Args:
+        value: Value in the place of a mapping.
+        keys: Known keys of that mapping, which a plain value may follow.
+    """
+    if not isinstance(value, str):
+        return None
+    match = _KEY_AND_VALUE.match(value)
+    plain = _KEY_AND_PLAIN_VALUE.match(value)
+    if match is None and plain is not None and plain[1] in keys:
+        match = plain
     if match is None:
         return None
     missing = "a space is missing after the ':' of" if match[2] else "a ':' is missing after"

@@ -139,9 +139,11 @@ def diagnose_value(
     if all(fault.is_wrong_kind for fault in same):
         expected = " or ".join(dict.fromkeys(fault.expected for fault in same))
         value = source.node(path).value
-        if "a mapping" in expected and (problem := text_problem(value)):
+        example = form(model, path, source.node(path)) or ""
+        keys = re.findall(r"\w+(?=:)", example)
+        if "a mapping" in expected and (problem := text_problem(value, keys)):
             return diagnose("CB205", source.place(*path), problem=problem)
-        if example := form(model, path, source.node(path)):
+        if example:
             expected += f", as in {example}"
         given = describe(value) + left_out(value, expected)
         return diagnose("CB204", source.place(*path), expected=expected, found=given)

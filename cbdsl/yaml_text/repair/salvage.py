@@ -156,7 +156,9 @@ class _Salvage(Generic[D]):
         """Return whether a fault only follows from another."""
         if kind == "extra_forbidden":
             return False
-        return path in self._respelt or self._broken.is_below(path)
+        other = self._model.alternatives.get(str(path[0])) if len(path) == 1 else None
+        is_replaced = other is not None and self._broken.touches((other,))
+        return is_replaced or path in self._respelt or self._broken.is_below(path)
 
     def _respell(self, path: Steps, loc: Steps) -> bool:
         """Move a value to the key that was probably intended, and return whether one exists."""

@@ -429,6 +429,7 @@ CLAIM_OF: Mapping[str, ProgramClaim] = {claim.program: claim for claim in CLAIMS
 NOTHING_TO_CLAIM: Mapping[str, str] = {
     "desk_reach": "moves an arm without sensors; ends at a posture",
     "hover_follow": "follows until its time is over; comes to no end of its own",
+    "poise": "moves an arm without sensors; ends at a posture",
     "posture": "moves an arm to a posture",
     "push": "claims a force, which tests/runtime/test_force_programs.py judges",
     "put_back": "begins with something held; judged as the end of fetch with a heavy can",

@@ -34,3 +34,11 @@ def test_a_key_with_its_value_is_no_text(value: str, colon: str, missing: str) -
 @pytest.mark.parametrize("value", ["palm", "left palm", 3.0, None, []])
 def test_valid_values_have_no_problem(value: object) -> None:
     assert text_problem(value) is None
+
+
+@pytest.mark.parametrize(("text", "is_mistake"), [
+    ("rate:15 Hz", True), ("rate 15 Hz", True), ("rate", False), ("15 Hz", False),
+    ("pace:15 Hz", False), ("pace 15 Hz", False),
+])  # fmt: skip
+def test_text_problem_finds_a_known_key_before_a_plain_value(text: str, is_mistake: bool) -> None:
+    assert (text_problem(text, ["rate"]) is not None) == is_mistake
