@@ -29,8 +29,7 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     """Return the SHA-256 of a document's content, in hexadecimal.
 
     The description, comments, layout and explicit default values do not change it. The content of a
-    mesh counts, and its path does not. Drivers do not count, nor roles, because
-    the robot and the effectors in them do.
+    mesh counts, and its path does not. Drivers and roles of a robot do not count.
 
     Args:
         document: Document.
@@ -39,11 +38,12 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     # Knowledge stays valid as long as the digest of its inputs does. Omitted defaults let a new
     # optional key keep all digests, and aliases let a field change its Python name. The context
     # makes meshes count by content.
+    of_robot = {"roles"} if getattr(document, "kind", "") == "robot" else set()
     data = document.model_dump(
         mode="json",
         by_alias=True,
         exclude_defaults=True,
-        exclude={"description", "drivers", "roles", *leave_out},
+        exclude={"description", "drivers", *of_robot, *leave_out},
         context={"by_content": True},
     )
     # Sorted keys make the text independent of the order in the document.

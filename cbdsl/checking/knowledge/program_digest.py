@@ -14,6 +14,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.steps import compiled
 from cbdsl.storage.digest import digest_of_text
 from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import flawless
 
 if TYPE_CHECKING:
     from cbdsl.documents.schema import SchemaDocument
@@ -150,7 +151,7 @@ def _learned(name: str, beside: Path, library: Library) -> str:
 
 def _read(path: Path, library: Library) -> ProgramDocument:
     """Return a program with its policy over states, so that knowledge outlives its notation."""
-    return compiled(library.read(path, ProgramDocument).document)
+    return compiled(flawless(library.read_as_written(path, ProgramDocument)).document)
 
 
 def _document_file(kind: type[Document], name: str, beside: Path, library: Library) -> Path:

@@ -10,6 +10,8 @@ from cbdsl.reporting.why.history import HALT, FailureCause, History, spans
 
 # A joint lags if it is this share of the largest lead behind its reference for this long, s.
 _LAG, _LAG_TIME = 0.5, 0.3
+# Ticks in which a joint that follows reaches its reference.
+_AGES = 3
 # Share of the ticks until the end in which a joint that does not follow lags.
 _MOSTLY = 0.5
 # Force of a load cell above which a hand is in contact, N; contacts hold joints back.
@@ -28,7 +30,10 @@ def _lagging(history: History) -> Iterator[FailureCause]:
     arrays, lead = history.recorded.arrays, history.summary["robot"].get("lead")
     if not lead:
         return
-    lag = np.abs(arrays["references"] - arrays["positions"])
+    # A joint that moves on is where its reference was a moment ago.
+    references, positions = arrays["references"], arrays["positions"]
+    earlier = [references[np.maximum(np.arange(len(positions)) - age, 0)] for age in range(_AGES)]
+    lag = np.min([np.abs(each - positions) for each in earlier], axis=0)
     forces = [np.zeros(len(lag)), *map(history.forces, history.hands)]
     lag[np.max(forces, axis=0) > _CONTACT] = 0.0
     for joint, name in enumerate(history.summary["joints"]):
@@ -36,7 +41,7 @@ def _lagging(history: History) -> Iterator[FailureCause]:
         ticks = [first for first, last in spans(late) if last - first >= history.ticks(_LAG_TIME)]
         # A joint that catches up was only slow. References restart at each action.
         if ticks and late[ticks[0] :].mean() > _MOSTLY and late[-history.ticks(1.0) :].any():
-            first = ticks[0]
+            first = max(ticks[0] - _AGES + 1, 0)
             worst = float(lag[first:, joint].max())
             yield FailureCause(
                 "not_followed",

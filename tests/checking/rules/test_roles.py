@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.checking.rules.roles import bind
 from cbdsl.checking.session import Session
@@ -113,3 +114,12 @@ def test_used_program_has_the_robot_and_the_roles_of_its_user(tmp_path: Path) ->
 def test_robot_for_a_program_of_another_one_is_refused() -> None:
     with pytest.raises(UsageError, match="for robot 'dexter' alone, and not for 'panda'"):
         check_program("reach", {"robot": "panda"})
+
+
+def test_digest_of_a_program_with_roles_is_the_same_on_each_robot() -> None:
+    library = Library()
+    path = library.locate(ProgramDocument, "poise")
+    before = program_digest(path, library)
+    for robot in ROBOTS:
+        check_program(path, {"robot": robot}, library)
+        assert program_digest(path, library) == before
