@@ -20,7 +20,6 @@ from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.termination import stop_requests
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.page_server import LiveServer, RequestError
 from cbdsl.reporting.template import filled
@@ -68,6 +67,8 @@ def playground_page(text: str, token: str) -> str:
         text: Text of the program.
         token: Token that requests have to contain.
     """
+    from cbdsl.reporting.bundle import Bundle  # imports numpy, which `cb --version` does without
+
     data = Bundle().text({"text": text, "token": token})
     styles = ("page.css", "playground.css")
     return filled("playground.html", "playground", styles, _SCRIPTS, data, {}, connects=True)

@@ -108,7 +108,7 @@ KINDS = {
     "loss": Kind((60.0,), "", nodes=NODES, harmless=True),
     "clock": Kind((60.0,), "clock", still=True, nodes=(CYCLONE,)),
     "swap": Kind((60.0,), "", nodes=NODES, harmless=True),
-    "missing": Kind((60.0,), "no new state of joint", still=True, nodes=NODES),
+    "missing": Kind((60.0,), "state of joint", still=True, nodes=NODES),
     "double": Kind((60.0,), "twice", still=True, nodes=NODES),
     "nan": Kind((60.0,), "nan", still=True, nodes=NODES),
     # A reference has to move until frozen states are noticed.
