@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
+from time import sleep
 from typing import TYPE_CHECKING
 
 from cbdsl.cli.arguments.words import asks_for_backends, require_words
@@ -87,6 +88,7 @@ def _run(words: list[str]) -> None:
         # The reader has closed the pipe; nothing may be flushed at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except Exception as error:
+        _await_lost_interrupt(error)
         code = 2
         with suppress(BrokenPipeError):
             code = _report(error)
@@ -149,6 +151,7 @@ def _deliver_lost_interrupts() -> None:
         if not issubclass(lost.exc_type, KeyboardInterrupt):
             report(lost)
             return
+        deliver.__dict__["came"] = True
         from _thread import interrupt_main
         from threading import Timer
 
@@ -157,6 +160,19 @@ def _deliver_lost_interrupts() -> None:
         again.start()
 
     sys.unraisablehook = deliver
+
+
+def _await_lost_interrupt(error: Exception) -> None:
+    """End the command if the compiler failed because an interrupt in one of its callbacks was lost.
+
+    Such a callback stores machine code, which the compiler then misses.
+    """
+    from cbdsl.cli.process.interrupted_compilation import is_of_compiler
+
+    if getattr(sys.unraisablehook, "came", False) and is_of_compiler(error):
+        with suppress(KeyboardInterrupt):
+            sleep(1.0)  # until it is raised again
+        sys.exit(_INTERRUPTED)
 
 
 def _report_notes(error: BaseException | None) -> None:

@@ -73,3 +73,34 @@ def test_is_of_compiler_finds_its_frames_in_the_causes_of_an_error(
             sys.exit(130)
     assert is_of_compiler(ended.value) is expected
     assert not is_of_compiler(None)
+
+
+# An interrupt that a callback of the compiler loses, and its consequence.
+_LOST = """
+import sys
+from cbdsl.cli import main as command
+
+held = {"__name__": "llvmlite.binding", "sys": sys}
+exec('''
+class Callback:
+    def __del__(self):
+        raise KeyboardInterrupt
+
+def link():
+    callback = Callback()
+    del callback
+    raise RuntimeError("no compiled object yet")
+''', held)
+
+def app(*_, **__):
+    return lambda words: held["link"]()
+
+command.build_app = app
+sys.argv = ["cb", "list"]
+command.main()
+"""
+
+
+def test_error_of_the_compiler_after_a_lost_interrupt_is_an_interrupt() -> None:
+    ended = subprocess.run([sys.executable, "-c", _LOST], capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (130, "")
