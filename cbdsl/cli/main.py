@@ -57,10 +57,10 @@ def main() -> None:
     _start_quickly()
     # Before any file is opened, which could otherwise get the number of a closed stream.
     fill_closed_streams()
-    _deliver_lost_interrupts()
+    sys.unraisablehook = lost = _LostInterrupts()
     try:
         with legible_output():
-            _run(sys.argv[1:])
+            _run(sys.argv[1:], lost)
     except SystemExit as end:
         if end.code == _INTERRUPTED:
             from cbdsl.cli.process.interrupted_compilation import is_of_compiler, leave
@@ -70,7 +70,7 @@ def main() -> None:
         raise
 
 
-def _run(words: list[str]) -> None:
+def _run(words: list[str], lost: _LostInterrupts) -> None:
     try:
         require_words(words)
         if asks_for_backends(words):
@@ -88,7 +88,8 @@ def _run(words: list[str]) -> None:
         # The reader has closed the pipe; nothing may be flushed at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except Exception as error:
-        _await_lost_interrupt(error)
+        if lost.happened:
+            _await_lost_interrupt(error)
         code = 2
         with suppress(BrokenPipeError):
             code = _report(error)
@@ -139,27 +140,32 @@ def _start_quickly() -> None:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
 
 
-def _deliver_lost_interrupts() -> None:
-    """Raise an interrupt again that Python raised in a place from which it cannot propagate.
+class _LostInterrupts:
+    """Hook that raises an interrupt again that Python raised where it cannot propagate.
 
     Such places are destructors and callbacks of C; numba has thousands of them while it loads
     machine code. There, Python would print Ctrl-C as ignored, and the command would continue.
-    """
-    report = sys.unraisablehook
 
-    def deliver(lost: sys.UnraisableHookArgs) -> None:
+    Attributes:
+        happened: True after an interrupt was lost.
+    """
+
+    def __init__(self) -> None:
+        self.happened = False
+        self._report = sys.unraisablehook
+
+    def __call__(self, lost: sys.UnraisableHookArgs) -> None:
+        """Raise a lost interrupt again, and report all other exceptions."""
         if not issubclass(lost.exc_type, KeyboardInterrupt):
-            report(lost)
+            self._report(lost)
             return
-        deliver.__dict__["came"] = True
+        self.happened = True
         from _thread import interrupt_main
         from threading import Timer
 
         again = Timer(0.01, interrupt_main)  # without delay it would be lost in this hook
         again.daemon = True
         again.start()
-
-    sys.unraisablehook = deliver
 
 
 def _await_lost_interrupt(error: Exception) -> None:
@@ -169,7 +175,7 @@ def _await_lost_interrupt(error: Exception) -> None:
     """
     from cbdsl.cli.process.interrupted_compilation import is_of_compiler
 
-    if getattr(sys.unraisablehook, "came", False) and is_of_compiler(error):
+    if is_of_compiler(error):
         with suppress(KeyboardInterrupt):
             sleep(1.0)  # until it is raised again
         sys.exit(_INTERRUPTED)

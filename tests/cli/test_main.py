@@ -58,7 +58,7 @@ def test_interrupt_swallowed_by_a_destructor_is_raised_again(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
-    command._deliver_lost_interrupts()
+    monkeypatch.setattr(sys, "unraisablehook", command._LostInterrupts())
     with pytest.raises(KeyboardInterrupt):
         Interrupted()
         time.sleep(5)
@@ -70,7 +70,7 @@ def test_other_exception_of_a_destructor_is_printed(
 ) -> None:
     printed: list[object] = []
     monkeypatch.setattr(sys, "unraisablehook", lambda lost: printed.append(lost.exc_type))
-    command._deliver_lost_interrupts()
+    monkeypatch.setattr(sys, "unraisablehook", command._LostInterrupts())
     monkeypatch.setattr(Interrupted, "__del__", lambda self: {}[0])
     Interrupted()
     assert printed == [KeyError]
