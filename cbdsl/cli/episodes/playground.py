@@ -109,13 +109,13 @@ class PlaygroundRequests:
 
     def _run(self, file: Path, seed: int) -> Mapping[str, Any]:
         words = ("run", str(file), "--backend", "kinematic", "--seed", str(seed))
-        return {"output": self._output(_RUN, *words)}
+        return {"output": self._output(_RUN, *words, errors=subprocess.STDOUT)}
 
-    def _output(self, seconds: float, *words: str | Path) -> str:
-        """Return the output of a command."""
+    def _output(self, seconds: float, *words: str | Path, errors: int = subprocess.DEVNULL) -> str:
+        """Return the output of a command; by default without warnings, which are no JSON."""
         with subprocess.Popen(
             [*_CB, *map(str, words)], text=True, stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            stdout=subprocess.PIPE, stderr=errors,
         ) as self._process:  # fmt: skip
             try:
                 return self._process.communicate(timeout=seconds)[0]

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from cbdsl.cli.episodes import playground
 from cbdsl.cli.episodes.playground import PlaygroundRequests, playground_page
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.page_server import LiveServer, RequestError
@@ -43,6 +44,15 @@ def test_check_returns_findings_and_the_automaton(requests: PlaygroundRequests) 
     assert (
         "dexter" in wrong["findings"][0]["allowed"] or wrong["findings"][0]["nearest"] == "dexter"
     )
+
+
+def test_check_ignores_warnings_of_its_commands(
+    requests: PlaygroundRequests, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    warns = "import sys; print('warning: a plug-in', file=sys.stderr); "
+    python, option, command = playground._CB
+    monkeypatch.setattr(playground, "_CB", (python, option, warns + command))
+    assert requests({"text": LET_GO})["automaton"]["start"] == "open"
 
 
 @pytest.mark.parametrize("text", ["", "name: ../x", "\ud800", "a: [" * 2000, "name: let_go\n" * 3])
