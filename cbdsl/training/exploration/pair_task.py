@@ -22,7 +22,6 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.catalogs.action_outcome import ACTIONS, NOOP, ActionOutcome
 from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants, CatalogExploration
-from cbdsl.learning.catalogs.exploration import Exploration
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.storage.journal import Journal
 from cbdsl.training.exploration.action_work import ActionWork, FinishedAction
@@ -33,44 +32,6 @@ from cbdsl.training.exploration.explorable_pair import ExplorablePair
 from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.training.known_relations import KnownRelations, impedance_section
 from cbdsl.training.task_observer import TaskObserver
-
-
-def meta_catalog_document(
-    name: str,
-    things: Mapping[str, KnownThing],
-    relation: str,
-    pairs: Mapping[str, ExplorablePair],
-    exploration: Exploration,
-    impedances: Mapping[str, ImpedanceSection],
-    provenance: CatalogProvenance,
-) -> MetaCatalogDocument:
-    """Return the meta-catalog of an exploration.
-
-    Args:
-        name: Name of the document.
-        things: Objects, by name.
-        relation: Relation that the program of the pairs brings about.
-        pairs: Explorable pairs by name.
-        exploration: Exploration at its end.
-        impedances: Measured impedances by name of the pair.
-        provenance: Provenance of the meta-catalog.
-    """
-    sections = {}
-    for key, pair in pairs.items():
-        known = affordance_values(key, exploration, pair.program, pair.features)
-        ends = {"upper": pair.upper, "lower": pair.lower, "relation": relation}
-        sections[key] = PairSection(**ends, **known, impedance=impedances.get(key))
-    return MetaCatalogDocument(
-        cbdsl=1,
-        kind="meta_catalog",
-        name=name,
-        robot=next(iter(pairs.values())).program.robot,
-        things=dict(things),
-        pairs=sections,
-        over=tuple(dict.fromkeys(t.meta_catalog for t in things.values() if t.meta_catalog)),
-        steps=step_columns(exploration),
-        provenance=provenance,
-    )
 
 
 class PairExploration(CatalogExploration):
@@ -159,18 +120,25 @@ class PairTask(CatalogTask):
             return self.complete(work, journal.append, observer, partial(self._document, work))
 
     def _document(self, work: PairWork) -> MetaCatalogDocument:
-        document = meta_catalog_document(
-            self.path.stem,
-            self.things,
-            self.relation,
-            self.pairs,
-            work.exploration,
-            self._impedances(work.finished),
-            self._provenance(work.renderer, len(work.finished)),
+        """Return the meta-catalog of all finished actions."""
+        impedances, sections = self._impedances(work.finished), {}
+        for key, pair in self.pairs.items():
+            known = affordance_values(key, work.exploration, pair.program, pair.features)
+            ends = {"upper": pair.upper, "lower": pair.lower, "relation": self.relation}
+            sections[key] = PairSection(**ends, **known, impedance=impedances.get(key))
+        over = (thing.meta_catalog for thing in self.things.values() if thing.meta_catalog)
+        return MetaCatalogDocument(
+            cbdsl=1,
+            kind="meta_catalog",
+            name=self.path.stem,
+            robot=self.robot.name,
+            things=dict(self.things),
+            pairs=sections,
+            over=tuple(dict.fromkeys(over)),
+            steps=step_columns(work.exploration),
+            provenance=self._provenance(work.renderer, len(work.finished)),
+            relations=None if self.relations is None else self.relations.name,
         )
-        if self.relations is None:
-            return document
-        return document.model_copy(update={"relations": self.relations.name})
 
     def _provenance(self, renderer: str, actions: int) -> CatalogProvenance:
         own = catalog_provenance(self, self.pairs, "explore_pairs", renderer, actions)
