@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.api.requests.declaration import verb
+from cbdsl.api.requests.declaration import engine_of, verb
 from cbdsl.api.requests.learn_request import LearnRequest
 from cbdsl.diagnostics.errors import UsageError
 
@@ -71,11 +71,8 @@ def learn_trials(
     Raises:
         DiagnosticsError, UsageError, OSError: As ``learn``.
     """
-    from cbdsl.backends.engines import default_engine
-
     # Chosen once, so that the opened robot and the provenance of all trials have the same engine.
-    if request.backend is None:
-        request = replace(request, backend=default_engine())
+    request = replace(request, backend=engine_of(request))
     tasks = request.tasks()
     for task in tasks:
         task.require_ready(resume=request.resume)

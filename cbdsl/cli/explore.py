@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -16,7 +15,6 @@ from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
-from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.text.catalog_text import catalog_text
 
 if TYPE_CHECKING:
@@ -76,8 +74,6 @@ def explore(
     Exit 0 if all actions were taken, 1 if a document has errors, 2 if an action cannot run, and 130
     after Ctrl-C or SIGTERM.
     """
-    if Path(request.out).suffix != ".yaml":
-        raise UsageError(f"--out {request.out}: a catalog is <name>.yaml")
     live.require_page()
     request = replace(request, command=_command(context))
     if pairs.thing:

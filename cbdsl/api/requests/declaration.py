@@ -10,7 +10,7 @@ import inspect
 import re
 import textwrap
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, dataclass_transform
 
 if TYPE_CHECKING:
@@ -79,8 +79,7 @@ def verb(
         returned = inspect.signature(function).return_annotation
         parameters = dict(inspect.signature(request).parameters)
         for each in fields(request):  # type: ignore[arg-type]
-            if each.default_factory is not MISSING:
-                default = each.default_factory()
+            if (default := default_of(each)) is not MISSING:
                 parameters[each.name] = parameters[each.name].replace(default=default)
         signature = inspect.Signature([*parameters.values()], return_annotation=returned)
         call.__signature__ = signature  # type: ignore[attr-defined]
@@ -91,6 +90,12 @@ def verb(
         return call
 
     return decorated
+
+
+def default_of(declared: Field[Any]) -> Any:
+    """Return the default of an input or an option; ``MISSING`` if it has to be given."""
+    factory = declared.default_factory
+    return declared.default if factory is MISSING else factory()
 
 
 def described(heading: str, request: Any) -> str:
@@ -129,7 +134,7 @@ def call_text(name: str, request: Any, **texts: str) -> str:
         value, declared = getattr(request, each.name), each.metadata
         if each.name == "backend":
             value = engine_of(request)
-        is_default = value == each.default or not (value or each.default_factory is MISSING)
+        is_default = value == default_of(each)
         if each.name not in texts and (
             not declared["recorded"] or (is_default and not declared["always"])
         ):

@@ -12,6 +12,7 @@ from typing import Annotated, Any, get_args, get_type_hints
 
 from typer.core import TyperCommand
 
+from cbdsl.api.requests.declaration import default_of
 from cbdsl.cli.arguments.request_options import (
     is_request,
     read_request_options,
@@ -90,9 +91,8 @@ def _options(group: Any) -> Iterator[inspect.Parameter]:
         return
     annotations = get_type_hints(group, include_extras=True)
     for field in fields(group):
-        default = inspect.Parameter.empty if field.default is MISSING else field.default
-        if field.default_factory is not MISSING:
-            default = field.default_factory()
+        default = default_of(field)
+        default = inspect.Parameter.empty if default is MISSING else default
         kind, annotation = inspect.Parameter.KEYWORD_ONLY, annotations[field.name]
         kept, option = get_args(annotation)
         option = copy(option)  # others may have the same option in another group, or in none

@@ -10,6 +10,7 @@ from typing import Annotated, Any, get_args
 
 import typer
 
+from cbdsl.api.requests.declaration import default_of
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.options import BodyNumber, Cameras, Program, Resume, Seed, Set, With
 from cbdsl.cli.episodes.simulation import BackendName
@@ -37,11 +38,11 @@ def request_options(request: Any) -> Iterator[inspect.Parameter]:
     for each in fields(request):
         if "kind" not in each.metadata["option"] and each.name not in _SHARED:
             continue
-        default: Any = each.default
-        if each.name == "backend" or (default is each.default_factory is MISSING):
+        default = default_of(each)
+        if each.name == "backend" or default is MISSING:
             default = inspect.Parameter.empty
-        elif default is MISSING:
-            default = []
+        elif each.default_factory is not MISSING:
+            default = []  # of assignments
         kind = inspect.Parameter.KEYWORD_ONLY
         yield inspect.Parameter(each.name, kind, default=default, annotation=_annotation(each))
 
