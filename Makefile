@@ -104,7 +104,7 @@ constraints:
 	--extra dev --extra release --extra fuzz pyproject.toml reproduction/pyproject.toml \
 	$(DISTRIBUTIONS:%=%/pyproject.toml)) > build/constraints.txt
 	mv build/constraints.txt constraints.txt
-	(echo "# What builds the published files, with the digests that are allowed; make constraints renews it."; \
+	(echo "# Tools that build the published files, with the digests that are allowed; make constraints renews it."; \
 	printf 'build>=1.2\nhatchling>=1.25\n' | uv pip compile --quiet --universal --python-version 3.11 --no-header \
 	--no-annotate --generate-hashes -) > build/requirements.txt
 	mv build/requirements.txt .ci/build-requirements.txt

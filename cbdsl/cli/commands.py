@@ -22,7 +22,7 @@ SUMMARIES = {
     "why": "Print the first cause of an episode that failed or was not rewarded.",
     "compare": "Compare the success rates of two programs, policies or robots with the same seeds.",
     "explain": "Print the meaning of a diagnostic, its reason, and a wrong and a correct example.",
-    "show": "Show types, potentials, resources, plug-ins, programs, meshes, and what was learned.",
+    "show": "Show types, potentials, resources, plug-ins, programs, meshes, and learned knowledge.",
     "new": "Write a robot, program or stage to start from.",
     "schema": "Print the JSON Schema of a kind of document, or write it for editors and CI.",
     "replay": "Write a self-contained page of a recorded episode.",

@@ -209,7 +209,7 @@ class OutputOptions:
         if self.overwrite and self.record is None:
             raise UsageError("--overwrite is about recordings: give their folder with --record")
         if self.explain and self.as_json:
-            raise UsageError("--explain tells people and --json tells scripts: choose one")
+            raise UsageError("--explain prints text and --json prints JSON: choose one")
 
 
 @grouped

@@ -43,7 +43,8 @@ def learned_density(
 ) -> Kernel | Gaussian:
     """Return the density of rewarded configurations, mixed with the initial uniform density.
 
-    Configurations without reward stay possible, and become less likely with more samples.
+    Configurations without reward stay possible, and become less likely with more samples
+    (Section 4.2).
 
     Args:
         samples: Configurations, rad, shape (n, joints), n >= 1.
@@ -75,6 +76,8 @@ def choose(
     best: Sequence[str], actions: Sequence[str], epsilon: float, rng: np.random.Generator
 ) -> str:
     """Return a uniform choice among the best actions, or with probability ``epsilon`` among all.
+
+    Algorithm 1, line 9.
 
     Args:
         best: Actions of the largest value.

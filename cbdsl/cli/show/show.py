@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources, plug-ins, programs, meshes, and what was learned.",
+    help="Show types, potentials, resources, plug-ins, programs, meshes, and learned knowledge.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
