@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -101,6 +102,21 @@ def test_action_with_wrong_inputs_says_so_and_writes_nothing(
 def test_install_keeps_a_restored_environment(runner: dict[str, str], checkout: Path) -> None:
     done = step("install", runner, checkout)
     assert done.returncode == 0 and re.search(r"\d+\.\d+\.\d+", done.stdout)
+
+
+def test_cache_key_changes_with_the_installed_files(runner: dict[str, str], tmp_path: Path) -> None:
+    root, keys = tmp_path / "action", []
+    for name in ("cbdsl", "robots", "programs", "knowledge", "schemas", ".ci"):
+        (root / name).mkdir(parents=True)
+    shutil.copy(ROOT / ".ci" / "validate", root / ".ci")
+    for name in ("pyproject.toml", "constraints.txt"):
+        shutil.copy(ROOT / name, root)
+    for content in ("1", "2", "1"):
+        (root / "cbdsl" / "code.py").write_text(content, "utf-8")
+        Path(runner["GITHUB_OUTPUT"]).unlink(missing_ok=True)
+        subprocess.run([root / ".ci" / "validate", "key"], env=runner, check=True)
+        keys.append(outputs(runner)["key"])
+    assert keys[0] == keys[2] != keys[1]
 
 
 def test_action_names_other_actions_by_digest_and_never_expands_inputs_in_scripts() -> None:
