@@ -23,9 +23,7 @@ from cbdsl_reproduction.judges.judge import BodyChoice, EpisodeVerdict
 from tests.conftest import ROOT
 
 #: Programs that hardly ever reach their end on the chosen objects.
-RARELY = {
-    "bring_with_both", "reachtouch_bimanual", "take_with_both", "touch_remembered",
-}  # fmt: skip
+RARELY = {"bring_with_both", "reachtouch_bimanual", "take_with_both", "touch_remembered"}
 
 
 def by_name(program: str) -> ProgramClaim:
