@@ -56,7 +56,7 @@ class Exit(NamedTuple):
 
 
 class ProgramStep(NamedTuple):
-    """ProgramStep of a program.
+    """Step of a program: its action, and the exits by the letters of its members.
 
     Attributes:
         name: Name.

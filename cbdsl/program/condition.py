@@ -45,7 +45,7 @@ class ProgramCondition(NamedTuple):
 
     Attributes:
         name: Name in the program.
-        text: ProgramCondition as written, with the values of parameters.
+        text: Condition as written, with the values of parameters.
         parts: Comparisons, and ``and``, ``or`` and ``not`` behind their operands.
         hold: Time for which its comparisons have to hold, s.
     """

@@ -18,7 +18,7 @@ def with_short_exits(step: ProgramStep) -> ProgramStep:
     """Return a step that decides all values of its members in the same way, and goes on at rest.
 
     Args:
-        step: ProgramStep, with any target if no exit holds.
+        step: Step with any target if no exit holds.
     """
     go_on = To(step.name)
     if math.prod(map(len, step.values)) > _MOST_VALUES:

@@ -24,7 +24,7 @@ Path = tuple[str | int, ...]
 
 
 class DocumentSpot(NamedTuple):
-    """DocumentSpot of a document.
+    """Place of a diagnostic in a document.
 
     Attributes:
         path: Path of a value, or of the value whose key is meant.
@@ -42,7 +42,7 @@ Report = Callable[[str, DocumentSpot, dict[str, Any]], None]
 
 
 class WrittenStep(NamedTuple):
-    """ProgramStep of a document before its exits are read.
+    """Step of a document before its exits are read.
 
     Attributes:
         name: Name of the step.

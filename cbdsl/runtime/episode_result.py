@@ -25,7 +25,7 @@ class EpisodeResult:
             reached none.
         guards: Duration and force for each guard that limited the motion.
         far: Controllers of the last action that are stuck: at rest beyond their tolerances.
-        causes: RestCause that keeps each of them from its target, by name.
+        causes: Cause that keeps each of them from its target, by name.
         halted: True if an interrupt, an error or a late tick ended it, and not its program.
     """
 
