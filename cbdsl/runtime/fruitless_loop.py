@@ -113,7 +113,8 @@ class FruitlessLoop:
 
 def _measured(program: CheckedProgram) -> list[Resource]:
     """Return the measured resources that a program and its subprograms read."""
-    resources = []
+    read = [r for condition in program.conditions.values() for r in condition.resources]
+    resources = [r for r in read if r.origin in _MEASURED]
     for action in program.actions:
         controllers = action.composition.controllers if action.composition else ()
         resources += [r for c in controllers for r in c.resources if r.origin in _MEASURED]

@@ -92,6 +92,29 @@ def test_loop_ends_only_after_the_last_change_of_a_signal(written: Written, kind
     assert ended == pytest.approx(last + 3.0, abs=0.31)
 
 
+class MeasuredObject(Measured):
+    """Signals of which only those of an object change."""
+
+    def read(self, resource: Resource) -> Reading | None:
+        is_of_object = resource.name.startswith("stereo")
+        return super().read(resource) if is_of_object else Reading(np.zeros(1), None, 0)
+
+
+def test_loop_goes_on_while_the_signal_of_a_condition_changes(written: Written) -> None:
+    signals = MeasuredObject()
+    program = written(
+        f"controllers: {{first: {STAY}, second: {STAY}}}\n"
+        "conditions: {raised: stereo.sat_10.z > 1 m}\n"
+        "steps:\n"
+        "  first: {exits: [raised: end, first at rest: second]}\n"
+        "  second: {exits: [second at rest: first]}\n"
+    )
+    loop = FruitlessLoop(program, signals)  # type: ignore[arg-type]
+    for tick in range(100):
+        signals.time, signals.value = 0.1 * tick, np.array([0.0, 0.0, 0.05 * tick])
+        assert not loop.note(("first", "second")[tick % 2], ("1X0", "X1X")[tick % 2])
+
+
 @pytest.mark.parametrize("name", ["searchtrack", "reachtouch"])
 def test_shipped_search_for_an_absent_object_goes_on(
     checked: Checked, play: Play, name: str

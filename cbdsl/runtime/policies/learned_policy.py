@@ -33,6 +33,8 @@ class LearnedPolicy(Policy):
             for action in program.actions
             if action.program is not None and action.composition is None
         }
+        # A condition that becomes true has the letter of rest, and takes no time.
+        self._acting = len(program.members) - len(program.conditions)
         # If references are drawn, the next round leads elsewhere.
         self._counts_rests = program.reward_ends and not any(
             each.is_drawn for action in program.actions for each in action.controllers
@@ -62,7 +64,8 @@ class LearnedPolicy(Policy):
         return f"{name} has failed, and to start it again is all that was learned for {state}"
 
     def _circles(self, state: str) -> str:
-        if not (self._counts_rests and at_rest_anew(self._state, state)):
+        before, after = self._state[: self._acting], state[: self._acting]
+        if not (self._counts_rests and at_rest_anew(before, after)):
             return ""
         self._rests[self._state, state] += 1
         count = self._rests[self._state, state]

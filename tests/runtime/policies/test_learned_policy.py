@@ -10,6 +10,7 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.condition import ProgramCondition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.learned_policy import LearnedPolicy
@@ -58,6 +59,17 @@ def test_alternating_contact_is_no_circle(learned: CheckedProgram) -> None:
     """Only rest takes its time; letters of a touch may flicker."""
     policy = LearnedPolicy(learned)
     assert None not in choices(policy, "XXX", *("X0-", "X00") * 50)
+
+
+def test_condition_that_alternates_is_no_circle(checked: Checked, learned: CheckedProgram) -> None:
+    """A true condition has the letter of rest, but its signal may flicker."""
+    condition = ProgramCondition("near", "", (), 0.0)
+    program = learned._replace(
+        members=(*learned.members, "near"), conditions={"near": condition}, policy={"****": "touch"}
+    )
+    policy = LearnedPolicy(program)
+    assert None not in choices(policy, "XXXX", *("X0-0", "X0-1") * 50)
+    assert choices(policy, *("X0-0", "X1-0") * 50)[-1] is None, "rest beside a condition counts"
 
 
 def test_failed_program_is_not_restarted_immediately(learned: CheckedProgram) -> None:
