@@ -54,8 +54,12 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Completi
     if key in _DOCUMENTS and not (key == "policy" and len(steps) == 1):
         return _documents(buffers, path, key)
     if key in _RESOURCES:
-        parameters = [Completion(f"${name}", "parameter") for name in section(lines, "parameters")]
-        return parameters + [_resource(each) for each in robot_resources(buffers, path).values()]
+        assignable = [
+            Completion(f"${name}", detail)
+            for key, detail in (("roles", "role"), ("parameters", "parameter"))
+            for name in section(lines, key)
+        ]
+        return assignable + [_resource(each) for each in robot_resources(buffers, path).values()]
     if is_composed(steps):
         used = [Completion(name, "program") for name in section(lines, "use")]
         return [Completion(name, "controller") for name in section(lines, "controllers")] + used

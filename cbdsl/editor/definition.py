@@ -26,10 +26,11 @@ class Definition(NamedTuple):
 
 
 def definition(buffers: Buffers, path: Path, cursor: Cursor) -> Definition | None:
-    """Return the place that defines a controller, a used program, a parameter or a document."""
+    """Return the place that defines a controller, program, parameter, role or document."""
     lines = lines_of(buffers.text(path))
     if cursor.word.startswith("$"):
-        line = section(lines, "parameters").get(cursor.word[1:])
+        declared = section(lines, "roles") | section(lines, "parameters")
+        line = declared.get(cursor.word[1:])
         return None if line is None else Definition(path, line)
     file = document_named(buffers, path, cursor.key, cursor.word)
     if file is not None and not cursor.on_key:

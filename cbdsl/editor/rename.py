@@ -60,7 +60,9 @@ def renaming(buffers: Buffers, path: Path, at: Cursor) -> Renaming | None:
     policies. Documents are renamed in all documents in the folder of the editor.
     """
     lines = lines_of(buffers.text(path))
-    if at.word.startswith("$") or (at.on_key and at.steps == ("parameters",)):
+    is_parameter = at.on_key and at.steps == ("parameters",)
+    is_role = at.steps[:1] == ("roles",) and _top(lines, "kind") == "program"
+    if at.word.startswith("$") or is_parameter or is_role:
         return _of_parameter(path, lines, at.word.removeprefix("$"))
     is_own_name = at.steps == ("name",) and not at.on_key
     file = path if is_own_name else None if at.on_key else document_named(
@@ -75,13 +77,22 @@ def renaming(buffers: Buffers, path: Path, at: Cursor) -> Renaming | None:
 
 
 def _of_parameter(path: Path, lines: Sequence[str], name: str) -> Renaming | None:
-    declared = section(lines, "parameters")
+    roles = section(lines, "roles")
+    declared = roles | section(lines, "parameters")
     if name not in declared:
         return None
     spots = [
         Occurrence(number, match.start() + 1, match.end())
         for number, line in enumerate(lines)
         for match in re.finditer(rf"\$\b{re.escape(name)}\b", _code(line))
+    ]
+    # Relations of other roles name a role without a dollar sign.
+    spots += [
+        Occurrence(number, *match.span("name"))
+        for number in sorted(set(roles.values()))
+        for match in re.finditer(
+            rf"\b(?:on|than)\s+(?P<name>{re.escape(name)})\b", _code(lines[number])
+        )
     ]
     key = re.search(rf"\b{re.escape(name)}(?=[\"']?\s*:)", lines[declared[name]])
     assert key is not None, "its section has it as a key"
