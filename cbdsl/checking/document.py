@@ -64,8 +64,7 @@ def check_program(
     from cbdsl.checking.program import examine_program  # robots and stages do without
     from cbdsl.checking.rules.stage_colors import check_colors
 
-    roles = {ROBOT, *loaded.document.roles} if loaded.document.roles else set()
-    known = roles.union(loaded.document.parameters)
+    known = {*loaded.document.assignable, *([ROBOT] if loaded.document.roles else ())}
     values = {key: value for key, value in session.values.items() if key in known}
     for robot in _robots(loaded, values, session):
         program = examine_program(loaded.path, {**values, **robot}, session, diagnostics)
@@ -81,8 +80,7 @@ def _robots(
         return [{}]
     from cbdsl.checking.rules.roles import fitting_robots
 
-    reasons = fitting_robots(loaded, session)
-    return [{ROBOT: name} for name, reason in reasons.items() if not reason] or [{}]
+    return [{ROBOT: name} for name in fitting_robots(loaded, session)] or [{}]
 
 
 def check_schema(

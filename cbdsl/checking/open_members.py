@@ -121,7 +121,7 @@ class MemberExchange:
             document = self._library.read(file, ProgramDocument).document
         except DiagnosticsError:
             return
-        if document.robot != program.robot:
+        if document.robot != program.robot or document.roles:
             return
         given = _given(program, member)
         shared = {key: given[key] for key in document.parameters if key in given}

@@ -36,7 +36,7 @@ def look_of(
     path = library.find(ProgramDocument, use.program, beside)
     if path is None:
         return f"unknown program '{use.program}'"
-    known = library.read(path, ProgramDocument).document.parameters
+    known = library.read(path, ProgramDocument).document.assignable
     for key in values:
         if key not in known:
             return f"it has no parameter '{key}'"

@@ -60,7 +60,7 @@ def check_program(
     values = with_ or {}
     loaded = session.library.read_as_written(path, ProgramDocument)
     document = loaded.document
-    known = loaded.source.declared({**document.parameters, **document.roles}, "parameters")
+    known = loaded.source.declared(document.assignable, "parameters")
     for name in values:
         if name not in known and not (name == ROBOT and document.roles):
             raise UsageError(f"{path}: {_unknown(name, values[name], document, list(known))}")

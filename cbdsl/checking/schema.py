@@ -169,7 +169,7 @@ class _SchemaCheck:
         """Return the program under one allocation and the declarative policy."""
         library = self._session.library
         document = library.read(path, ProgramDocument).document
-        known, programs = document.parameters, exchangeable(document)
+        known, programs = document.assignable, exchangeable(document)
         for key in values:
             if key not in known and key not in programs:
                 place = self._source.key("allocations", name, key)
@@ -194,7 +194,7 @@ class _SchemaCheck:
         self, values: Mapping[str, str], path: Path
     ) -> tuple[CheckedProgram | None, str]:
         """Return the program with some values, or its stand-in; else ``None`` and the reason."""
-        known = self._session.library.read(path, ProgramDocument).document.parameters
+        known = self._session.library.read(path, ProgramDocument).document.assignable
         own = {key: value for key, value in values.items() if key in known}
         members = {k: value for k, value in values.items() if k not in known and k != WHOLE}
         # An allocation either replaces the whole program, or some of its members.

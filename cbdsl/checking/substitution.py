@@ -104,7 +104,7 @@ def examined(
         other = session.library.read(file, ProgramDocument).document
     except DiagnosticsError:
         return UNKNOWN
-    if other.robot != document.robot:
+    if other.robot != document.robot or other.roles:
         return UNKNOWN
     given = {**document.parameters, **values}
     shared = {key: given[key] for key in other.parameters if key in given}

@@ -196,8 +196,7 @@ class UsedPrograms:
     def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
         """Return the parameters of a used program, with this program's own replaced."""
         source, values = self._source, {}
-        own = {**used.document.parameters, **used.document.roles}
-        parameters = used.source.declared(own, "parameters")
+        parameters = used.source.declared(used.document.assignable, "parameters")
         for key, text in use.with_.items():
             steps = ("use", name, "with", key)
             if key not in parameters:

@@ -370,6 +370,11 @@ class ProgramDocument(Document):
     guards: GuardsSection = GuardsSection.model_construct()
     limits: Limits = Limits.model_construct()
 
+    @property
+    def assignable(self) -> dict[str, str]:
+        """Parameters and roles, to which a user of the program may assign values, by name."""
+        return {**self.roles, **self.parameters}
+
 
 PROGRAM = Kind(
     ProgramDocument,

@@ -80,7 +80,7 @@ def _check_program(
     read = session.read(path, ProgramDocument, diagnostics)
     if isinstance(read, Unknown):
         return
-    known = read.document.parameters
+    known = read.document.assignable
     for key in affordance.with_:
         if key not in known:
             at = source.key(*steps, "with", key)

@@ -66,7 +66,7 @@ def substitute_digests(
         path: File of the program that is replaced in whole or in part.
         library: Library that finds programs by name.
     """
-    known = library.read(path, ProgramDocument).document.parameters
+    known = library.read(path, ProgramDocument).document.assignable
     names = {
         value
         for values in allocations.values()

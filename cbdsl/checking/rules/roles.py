@@ -32,9 +32,13 @@ class Binding(NamedTuple):
 
 
 def read_roles(document: ProgramDocument) -> dict[str, Role]:
-    """Return the roles of a program that can be read, by name."""
-    known = ((name, role(text)) for name, text in document.roles.items())
-    return {name: each for name, each in known if each is not None}
+    """Return the roles of a program that can be read and relate to earlier ones, by name."""
+    roles: dict[str, Role] = {}
+    for name, text in document.roles.items():
+        own = role(text)
+        if own is not None and roles.keys() >= set(own.relations.values()):
+            roles[name] = own
+    return roles
 
 
 def check_roles(loaded: Loaded[ProgramDocument], diagnostics: Diagnostics) -> None:
@@ -47,7 +51,9 @@ def check_roles(loaded: Loaded[ProgramDocument], diagnostics: Diagnostics) -> No
         earlier, known = list(document.roles)[:place], role(text)
         wrong = () if known is None else set(known.relations.values()).difference(earlier)
         if known is None or wrong:
-            problem = f"role '{', '.join(sorted(wrong))}' is not stated above" if wrong else text
+            problem = f"'{text}' is no kind of effector"
+            if wrong:
+                problem = f"role '{', '.join(sorted(wrong))}' is not stated above"
             names = earlier if wrong else []
             diagnostics.add(
                 "CB413", source.place("roles", name), names=names, name=name, problem=problem
@@ -148,38 +154,35 @@ def bound_program(
     check_roles(loaded, diagnostics)
     if diagnostics.failed:
         return UNKNOWN
-    reasons = {}
-    names = (values[ROBOT],) if ROBOT in values else robots_at_hand(loaded.path, session.library)
+    reasons, names = [], robots_at_hand(loaded.path, session.library)
+    if ROBOT in values:
+        names = [values[ROBOT]]
+        file = session.library.find(RobotDocument, values[ROBOT], loaded.path)
+        if file is not None and isinstance(session.body(file, diagnostics), Unknown):
+            return UNKNOWN
     for name in names:
-        bound = _on(name, loaded, values, session, diagnostics if ROBOT in values else None)
+        bound = on_robot(name, loaded, values, session)
         if isinstance(bound, Loaded):
             session.library.bind(bound)
             return bound
-        reasons[name] = bound
-    place = loaded.source.key("roles")
-    problem = "; ".join(filter(None, reasons.values()))
-    if problem or not reasons:
-        diagnostics.add("CB414", place, name=loaded.document.name, problem=problem or "no robot")
+        reasons.append(bound)
+    place, problem = loaded.source.key("roles"), "; ".join(reasons) or "no robot"
+    diagnostics.add("CB414", place, name=loaded.document.name, problem=problem)
     return UNKNOWN
 
 
-def _on(
-    name: str,
-    loaded: Loaded[ProgramDocument],
-    values: Mapping[str, str],
-    session: Session,
-    diagnostics: Diagnostics | None,
+def on_robot(
+    name: str, loaded: Loaded[ProgramDocument], values: Mapping[str, str], session: Session
 ) -> Loaded[ProgramDocument] | str:
-    """Return a program on a robot, or the reason against it; empty if the robot has errors."""
-    library, own = session.library, Diagnostics()
+    """Return a program with the effectors of a named robot, or the reason against that robot."""
+    library = session.library
     file = library.find(RobotDocument, name, loaded.path)
     if file is None:
         known = robots_at_hand(loaded.path, library)
         return f"there is no robot '{name}'{suggestion(name, known)} (known: {', '.join(known)})"
-    body = session.body(file, own)
+    body = session.body(file, Diagnostics())
     if isinstance(body, Unknown):
-        (diagnostics or own).extend(own.sorted())
-        return ""
+        return f"robot '{name}' has errors, which 'cb validate {file}' lists"
     return bind(loaded, body, values)
 
 
@@ -188,13 +191,13 @@ def robots_at_hand(path: Path, library: Library) -> list[str]:
     return library.names(RobotDocument, path)
 
 
-def fitting_robots(loaded: Loaded[ProgramDocument], session: Session) -> dict[str, str]:
-    """Return the reason against each robot at hand, which is empty for one that fits."""
-    reasons = {}
-    for name in robots_at_hand(loaded.path, session.library):
-        bound = _on(name, loaded, session.values, session, None)
-        reasons[name] = bound if isinstance(bound, str) else ""
-    return reasons
+def fitting_robots(loaded: Loaded[ProgramDocument], session: Session) -> list[str]:
+    """Return the names of the robots at hand that fill the roles of a program."""
+    return [
+        name
+        for name in robots_at_hand(loaded.path, session.library)
+        if isinstance(on_robot(name, loaded, session.values, session), Loaded)
+    ]
 
 
 def _candidates(own: Role, robot: CheckedRobot) -> list[str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.checking.document import check_document
 from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.checking.rules.roles import bind
@@ -59,6 +60,50 @@ def test_other_effector_differs_from_any_first_one(tmp_path: Path) -> None:
         assert checked.parameters["second"] == second
     with pytest.raises(DiagnosticsError, match="'arm' is in both roles"):
         check_program(path, {"robot": "desk"})
+
+
+def test_broken_robot_is_a_reason_only_against_itself(tmp_path: Path) -> None:
+    path = program(tmp_path, "{arm: effector of position}", BOTH.replace(OPEN, READY))
+    broken = tmp_path / "robots" / "broken.yaml"
+    broken.parent.mkdir()
+    broken.write_text("cbdsl: 1\nkind: robot\nname: broken\nmodel: none.urdf\neffectors: {}\n")
+    assert check_document(path, Session(Library(tmp_path))) == []
+    with pytest.raises(DiagnosticsError) as info:
+        check_program(path, {"robot": "broken"}, Library(tmp_path))
+    assert {each.place.file for each in info.value.diagnostics} == {str(broken)}
+
+
+@pytest.mark.parametrize(
+    ("roles", "problem"),
+    [
+        ("{arm: effector of position other than leg}", "role 'leg' is not stated above"),
+        ("{arm: effector of position on leg}", "role 'leg' is not stated above"),
+        ("{arm: effector at table}", "'effector at table' is no kind of effector"),
+    ],
+)
+def test_invalid_role_is_one_finding(roles: str, problem: str, tmp_path: Path) -> None:
+    path = program(tmp_path, roles, BOTH.replace(OPEN, READY))
+    (found,) = check_document(path, Session())
+    assert (found.code, found.message) == ("CB413", f"invalid role 'arm': {problem}")
+
+
+def test_schema_may_allocate_roles_in_any_order_of_files(tmp_path: Path) -> None:
+    path = program(tmp_path, "{arm: effector of position}", BOTH.replace(OPEN, READY))
+    header = f"cbdsl: 1\nname: {path.stem}\nprogram: {path.stem}\n"
+    texts = {
+        "policies": "kind: policy\npredicates: [ready, open]\npolicy: {XX: ready, '**': open}\n",
+        "schemas": "kind: schema\npolicy: skill\nfeatures: {number: count.red}\n"
+        "allocations: {left: {arm: left_arm}, right: {arm: right_arm}}\n"
+        "choose: {if: number > 1, then: left, else: right}\notherwise: [left, right]\n",
+    }
+    for folder, text in texts.items():
+        file = tmp_path / "knowledge" / folder / "skill.yaml"
+        file.parent.mkdir(parents=True)
+        file.write_text(header + text, "utf-8")
+    alone, later = Session(Library(tmp_path)), Session(Library(tmp_path))
+    assert check_document(path, later) == []
+    schema = tmp_path / "knowledge" / "schemas" / "skill.yaml"
+    assert check_document(schema, alone) == check_document(schema, later) == []
 
 
 @pytest.mark.parametrize(
