@@ -51,6 +51,8 @@ class Watchdog:
 
     def __init__(self, limits: JointLimits, period: float, deadline: float, start: float) -> None:
         self._limiter, self._deadline, self._start = Limiter(limits, period), deadline, start
+        self._limiter.reset(np.full(len(limits.lower), np.nan))
+        # Requested references; empty while the watchdog waits, so that a hold then sends nothing.
         self._requested: Floats = np.zeros(0)
         self._heard = self._until = 0.0
         # Longest time between two ticks, and the time of the newest one, s.
@@ -83,7 +85,9 @@ class Watchdog:
             if np.abs(references - self._measured).max() > self._start:
                 self._hold(f"the first reference is over {self._start:g} from the robot", now)
                 return
-            self._limiter.reset(self._measured)
+            # The controller keeps the last references, unless the robot was moved meanwhile.
+            if not np.abs(self._limiter.positions - self._measured).max() <= self._start:
+                self._limiter.reset(self._measured)
             self.phase = WatchdogPhase.REPEATING
         self._requested, self._heard = references, now
 
@@ -106,17 +110,17 @@ class Watchdog:
         """
         late, self._ticked = now - self._ticked, now
         if self.phase is WatchdogPhase.REPEATING:
-            if now - self._heard > self._deadline and self._rests:
-                # The program may have ended, and its robot stands: another one may begin.
-                self.phase = WatchdogPhase.WAITING
-                return None
-            if now - self._heard > self._deadline:
-                self._hold(f"no reference for {1e3 * (now - self._heard):.0f} ms", now)
-            # References that queued meanwhile arrive now, but their program may have ended.
-            elif late > self._patience:
+            silent = now - self._heard
+            # References that queued meanwhile arrive from now on, but their program may have ended.
+            if late > self._patience:
                 self._hold(f"the watchdog was suspended for {1e3 * late:.0f} ms", now)
-            else:
+            elif silent <= self._deadline:
                 return self._limiter.approach(self._requested)
+            elif self._rests:
+                # The program may have ended, and its robot stands: another one may begin.
+                self.phase, self._requested = WatchdogPhase.WAITING, np.zeros(0)
+            else:
+                self._hold(f"no reference for {1e3 * silent:.0f} ms", now)
         if self.phase is WatchdogPhase.HOLDING:
             if now > self._until and self._limiter.stands:
                 self.phase = WatchdogPhase.STOPPED

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cbdsl.backends.drivers.limiter import JointLimits
@@ -43,15 +43,66 @@ def test_watchdog_repeats_until_the_deadline_and_then_holds() -> None:
     assert held[-1] == held[-2], "it stands"
 
 
-def test_watchdog_waits_after_references_that_stand() -> None:
+def waiting() -> Watchdog:
+    """Return a watchdog whose program ended at 0.02 rad, while the robot sags at 0."""
     dog = guarding()
     for now in np.arange(0.02, 0.2, PERIOD):
         dog.request(np.array([0.02]), float(now))
         dog.tick(float(now))
+    for now in np.arange(0.2, 0.3, PERIOD):
+        dog.tick(float(now))
     assert dog.tick(0.3) is None
     assert dog.phase is WatchdogPhase.WAITING
+    return dog
+
+
+def test_watchdog_waits_after_references_that_stand() -> None:
+    dog = waiting()
     dog.request(np.array([0.5]), 0.4)
     assert dog.phase is WatchdogPhase.HOLDING, "the next program begins at the robot"
+
+
+def test_watchdog_goes_on_from_references_that_the_controller_keeps() -> None:
+    dog = waiting()
+    dog.request(np.array([0.02]), 0.3)
+    assert dog.tick(0.32) == 0.02, "the robot does not sag further"
+
+
+def test_watchdog_begins_at_a_robot_that_was_moved_while_it_waited() -> None:
+    dog = waiting()
+    dog.note_positions(np.array([0.8]))
+    dog.request(np.array([0.8]), 0.3)
+    assert dog.tick(0.32) == 0.8
+
+
+@pytest.mark.parametrize("first", [0.02, math.nan])
+def test_watchdog_that_waited_sends_no_old_references_when_it_holds(first: float) -> None:
+    dog = waiting()
+    dog.note_positions(np.array([0.8]))
+    dog.request(np.array([first]), 0.3)
+    assert dog.phase is WatchdogPhase.HOLDING
+    assert dog.tick(0.32) is None
+
+
+def test_watchdog_stops_a_program_that_resumes_and_ends_in_motion() -> None:
+    dog = waiting()
+    for now in np.arange(0.32, 0.5, PERIOD):
+        dog.request(np.array([0.04 if now < 0.33 else 0.9]), float(now))
+        dog.tick(float(now))
+    for now in np.arange(0.5, 2.0, PERIOD):
+        dog.tick(float(now))
+    assert dog.phase is WatchdogPhase.STOPPED
+    assert dog.cause.startswith("no reference for ")
+
+
+def test_watchdog_holds_after_its_own_suspension_at_rest() -> None:
+    dog = guarding()
+    for now in np.arange(0.02, 0.2, PERIOD):
+        dog.request(np.array([0.02]), float(now))
+        dog.tick(float(now))
+    # References that queued come after the first tick.
+    dog.tick(0.8)
+    assert dog.cause == "the watchdog was suspended for 620 ms"
 
 
 def test_watchdog_stops_and_ignores_a_program_that_returns() -> None:
@@ -129,10 +180,14 @@ def test_watchdog_never_leaves_a_hold(phase: WatchdogPhase) -> None:
     assert dog.cause == cause
 
 
-requests = st.one_of(st.floats(-3.0, 3.0), st.floats(), st.none())
+# Requests near the robot also resume after a pause.
+requests = st.one_of(
+    st.floats(-3.0, 3.0), st.sampled_from([-0.04, 0.0, 0.04]), st.floats(), st.none()
+)
 
 
 @given(st.lists(requests, max_size=60))
+@example([0.04] * 5 + [None] * 4 + [-0.04])
 def test_watchdog_sends_nothing_beyond_limits(asked: list[float | None]) -> None:
     dog, before, speed = guarding(), 0.0, 0.0
     for tick, request in enumerate(asked, 1):
