@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Lock
 from typing import Any
 
 import rclpy
@@ -46,7 +47,8 @@ class RunProgramServer(Node):
             "interface": self.declare_parameter("interface", "lo").value,
             "released": self.declare_parameter("released", False).value,
         }
-        self._is_busy = False
+        # Held while a goal runs: the executor admits goals in several threads.
+        self._running = Lock()
         self._server = ActionServer(
             self,
             RunProgram,
@@ -58,10 +60,9 @@ class RunProgramServer(Node):
         )
 
     def _admit(self, goal: Any) -> GoalResponse:
-        if self._is_busy or not goal.program:
-            return GoalResponse.REJECT
-        self._is_busy = True
-        return GoalResponse.ACCEPT
+        if goal.program and self._running.acquire(blocking=False):
+            return GoalResponse.ACCEPT
+        return GoalResponse.REJECT
 
     def _run(self, handle: Any) -> Any:
         """Run the episode of a goal, and return the result of the action."""
@@ -71,7 +72,7 @@ class RunProgramServer(Node):
             with self._episode(words | self._settings) as process:
                 result = self._follow(handle, process)
         finally:
-            self._is_busy = False
+            self._running.release()
         self.get_logger().info(f"{goal.program}: {result.reason}")
         if handle.is_cancel_requested:
             handle.canceled()
