@@ -95,7 +95,7 @@ class Watchdog:
         """Hold because of another commander, unless it holds already.
 
         Args:
-            rival: RestCause as a sentence without a full stop.
+            rival: Cause as a sentence without a full stop.
             now: Time by a monotonic clock, s.
         """
         if self.phase in (WatchdogPhase.WAITING, WatchdogPhase.REPEATING):
@@ -113,6 +113,8 @@ class Watchdog:
             silent = now - self._heard
             # References that queued meanwhile arrive from now on, but their program may have ended.
             if late > self._patience:
+                # The controller has come to rest at the newest reference.
+                self._limiter.reset(self._limiter.positions)
                 self._hold(f"the watchdog was suspended for {1e3 * late:.0f} ms", now)
             elif silent <= self._deadline:
                 return self._limiter.approach(self._requested)

@@ -136,7 +136,7 @@ def test_watchdog_ignores_measured_positions_that_are_not_finite() -> None:
 
 def test_watchdog_holds_after_its_own_suspension() -> None:
     dog = guarding()
-    assert dog.tick(0.02) is not None
+    sent = dog.tick(0.02)
     # The reference queued while the watchdog was suspended, and its program may have ended.
     dog.request(np.array([0.5]), 0.62)
     first = dog.tick(0.62)
@@ -145,6 +145,7 @@ def test_watchdog_holds_after_its_own_suspension() -> None:
     assert first is not None
     rest = [dog.tick(0.62 + PERIOD * i) for i in range(1, 10)]
     assert rest[-1] == rest[-2], "it stands"
+    assert first == rest[-1] == sent, "the controller stood there already"
 
 
 def test_watchdog_stops_only_once_the_robot_stands() -> None:
