@@ -53,7 +53,7 @@ _AWAY = 0.05
 _ARRIVAL = 2.0
 # Longest time until a stage is set up, and time between two requests for it, s.
 _SET_UP, _REPEATED = 30.0, 0.5
-# RestCause of a hold that is no fault.
+# Cause of a hold that is no fault.
 HALTED = "the program was halted"
 
 

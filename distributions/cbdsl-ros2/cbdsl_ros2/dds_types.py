@@ -140,7 +140,7 @@ class JointTrajectory(IdlStruct, typename="trajectory_msgs::msg::dds_::JointTraj
 @dataclass
 @final
 class MultiArrayDimension(IdlStruct, typename="std_msgs::msg::dds_::MultiArrayDimension_"):
-    """MultiArrayDimension of an array."""
+    """Dimension of an array."""
 
     label: str = ""
     size: uint32 = 0
@@ -150,7 +150,7 @@ class MultiArrayDimension(IdlStruct, typename="std_msgs::msg::dds_::MultiArrayDi
 @dataclass
 @final
 class MultiArrayLayout(IdlStruct, typename="std_msgs::msg::dds_::MultiArrayLayout_"):
-    """MultiArrayLayout of an array; empty for references."""
+    """Layout of an array; empty for references."""
 
     dim: sequence[MultiArrayDimension] = field(default_factory=list)
     data_offset: uint32 = 0

@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import fcntl
 import json
+import math
 import os
 import pty
 import shutil
@@ -60,7 +61,8 @@ class Kind(NamedTuple):
             begins with the fault, or with the first command of a rival.
         way: Motion after the fault that passes after any time, rad.
         nodes: Nodes of the arm. Served arms have the rate of 60 Hz alone.
-        harmless: True if the program may survive the fault.
+        harmless: True if the program survives the fault, and is then interrupted. Only lost
+            messages may hold it.
     """
 
     rates: tuple[float, ...]
@@ -101,6 +103,9 @@ KINDS = {
     "killed": Kind((*ALL, 20.0), "", still=True, within=None, nodes=NODES),
     "suspended": Kind((60.0,), "suspended|deadline|in time", still=True, nodes=NODES),
     "killed before a watchdog": Kind((60.0,), "", "positions", still=True, within=None),
+    "suspended before a watchdog": Kind((60.0,), "suspended|deadline", "positions", still=True),
+    "watchdog killed": Kind((60.0,), "watchdog|frozen", "positions", still=True),
+    "watchdog suspended": Kind((60.0,), "watchdog|frozen", "positions", still=True),
     "arm killed": Kind((60.0,), "has ended|no new state", nodes=NODES),
     "arm suspended": Kind((60.0,), "no new state|stamped", still=True, nodes=NODES),
     # Faults of ``cb drive serve --fault``.
@@ -118,7 +123,12 @@ KINDS = {
 _INJECTED = (
     "stall", "loss", "clock", "swap", "missing", "double", "nan", "frozen", "effort",
 )  # fmt: skip
-_KILLED = ("killed", "killed before a watchdog", "arm killed")
+# Faults that end the program; and signals of a process whose name comes before, or of the program.
+_ENDED = (*_INTERRUPTED, "killed", "killed before a watchdog")
+_SIGNALS = {
+    "hangup": signal.SIGHUP, "killed": signal.SIGKILL, "hung": signal.SIGSTOP,
+    "suspended": signal.SIGSTOP,
+}  # fmt: skip
 
 
 class Outcome(NamedTuple):
@@ -126,11 +136,13 @@ class Outcome(NamedTuple):
 
     Attributes:
         kind, rate, seed, node: Trial.
-        moving: True if the arm moved when the fault came.
-        time: Time from the fault until the arm was still, or until its last command, s.
-        way: Largest motion of a joint after the fault, rad.
+        moving: True if the arm moved when the fault came, as far as it wrote its motion.
+        time: Time from the fault until the arm was still, or until its last command, s; NaN if the
+            arm was killed.
+        way: Largest motion of a joint after the fault, rad; NaN if the arm was killed.
         commands: Commands after the fault.
-        violations: Commands beyond a limit of position, velocity or acceleration, or not finite.
+        violations: Commands to the arm of rclpy beyond a limit of position, velocity or
+            acceleration, or not finite.
         cause: Last words of the program.
         passed: True if the contract held.
     """
@@ -220,11 +232,11 @@ class Trial:
             button = cell.enter_context(self._part("button", {"period": 0.05}))
         else:
             arm = button = cell.enter_context(self._command("drive", "serve", "sixaxis"))
-        second = button
+        parts = {"arm": arm, "button": button}
         if name == "second button killed":
-            second = cell.enter_context(self._part("button", {"period": 0.05}))
+            parts["second"] = cell.enter_context(self._part("button", {"period": 0.05}))
         if self._kind.form == "positions":
-            cell.enter_context(self._command("drive", "watchdog", "sixaxis"))
+            parts["watchdog"] = cell.enter_context(self._command("drive", "watchdog", "sixaxis"))
         if self._kind.before:
             self._intrude(cell, common)
         words = ("run", "sixaxis_reach", "--backend", "ros2", "--yes", "--record", "out")
@@ -240,7 +252,7 @@ class Trial:
             word = "moves" if self._node == FAST else "set up stage"
             if all(_awaits(arm, word, program) for _ in range(turn)):
                 time.sleep(0.0 if settings["exchanged"] else float(self._rng.uniform(0.2, 1.0)))
-            begun = self._fault(arm, second, program, cell, common)
+            begun = self._fault({**parts, "program": program}, cell, common)
         if self._kind.harmless and name != "no fault":
             time.sleep(1.0)
             program.terminate()
@@ -313,12 +325,7 @@ class Trial:
                 cell.enter_context(self._part("rival", common))
 
     def _fault(
-        self,
-        arm: subprocess.Popen[str],
-        button: subprocess.Popen[str],
-        program: subprocess.Popen[str],
-        cell: ExitStack,
-        common: dict[str, object],
+        self, parts: dict[str, subprocess.Popen[str]], cell: ExitStack, common: dict[str, object]
     ) -> float:
         """Let the fault happen; return its time, s since the epoch."""
         sign, name = self._rng.choice([-1.0, 1.0]), self._name
@@ -333,23 +340,21 @@ class Trial:
         if name in _INJECTED and self._node == CYCLONE:
             time.sleep(max(0.0, self._later - begun))
             return time.time()
+        words = name.split()
+        faulty = parts.get(words[0], parts["program"])
+        sent = [_SIGNALS[word] for word in words if word in _SIGNALS]
         if name in lines or name in _INJECTED:
-            faulty = button if name == "pressed" else arm
-            assert faulty.stdin is not None
-            faulty.stdin.write(lines.get(name, name) + "\n")
-            faulty.stdin.flush()
+            stream = parts["button" if name == "pressed" else "arm"].stdin
+            assert stream is not None
+            stream.write(lines.get(name, name) + "\n")
+            stream.flush()
         elif name == "terminal closed":
             os.close(self._terminal)
-        elif name in _KILLED or name == "hangup":
-            faulty = arm if name.startswith("arm") else program
-            faulty.send_signal(signal.SIGHUP if name == "hangup" else signal.SIGKILL)
-        elif name.endswith("suspended"):
-            faulty = arm if name.startswith("arm") else program
-            faulty.send_signal(signal.SIGSTOP)
-            time.sleep(_SUSPENDED)
-            faulty.send_signal(signal.SIGCONT)
-        elif "killed" in name or "hung" in name:
-            button.send_signal(signal.SIGKILL if "killed" in name else signal.SIGSTOP)
+        elif sent:
+            faulty.send_signal(sent[0])
+            if "suspended" in words:
+                time.sleep(_SUSPENDED)
+                faulty.send_signal(signal.SIGCONT)
         elif name != "exchanged before":
             self._intrude(cell, common)
             # Ready, it exists, and its first message follows.
@@ -372,13 +377,17 @@ class Trial:
 
     def _outcome(self, begun: float, code: int, said: str) -> Outcome:
         if not self._trace.exists():
-            # A killed arm has no motion, and its program has to notice.
+            # A killed arm writes no motion, and its program has to notice.
             held = "is held" in said and any(c in said for c in self._kind.cause.split("|"))
-            return self._row(True, 0.0, 0.0, 0, 0, said, held and self._name == "arm killed")
+            passed = held and self._name == "arm killed"
+            return self._row(False, math.nan, math.nan, 0, 0, said, passed)
         times, positions, commands, sent, fault = self._motion()
         if fault and not self._kind.before:
             begun = fault
         after = commands[commands > begun]
+        if self._name == "loss" and len(after):
+            # Lost messages hold the robot at some time, if at all.
+            begun = float(after[-1])
         speeds = np.abs(np.diff(positions, axis=0)).max(axis=1) / np.diff(times)
         # A rival may be noticed before its first command.
         came = min([begun, *commands[-1:]])
@@ -395,11 +404,11 @@ class Trial:
         else:
             # Between two episodes, the next one does not begin.
             held = "is held" in said or "is not ready" in said
-            held |= self._name in (*_INTERRUPTED, *_KILLED)
+            held |= self._name in _ENDED
             soon = elapsed <= within or way <= self._kind.way
-            passed = self._kind.harmless or (moving and held and soon)
-        if self._name == "no fault":
-            passed = code == 0
+            passed = moving and held and soon
+        if self._kind.harmless and not (self._name == "loss" and held and soon):
+            passed = code == (0 if self._name == "no fault" else 130)
         if self._name in _INTERRUPTED:
             passed = passed and code == 130 and any((self._folder / "out").rglob("*.npz"))
         passed = passed and any(cause in said for cause in self._kind.cause.split("|"))
@@ -472,7 +481,8 @@ def summary(lines: list[str]) -> str:
         passed = sum(each.passed for each in trials)
         low, high = exact_interval(passed, len(trials))
         times = [1e3 * each.time for each in trials]
-        shown = f"{np.median(times):.0f} | {max(times):.0f}" if not KINDS[name].before else "- | -"
+        is_timed = not KINDS[name].before and np.isfinite(times).all()
+        shown = f"{np.median(times):.0f} | {max(times):.0f}" if is_timed else "- | -"
         interval = f"{100 * low:.1f} to {100 * high:.1f} %"
         rows.append(
             f"| {name} | {node} | {rate:g} | {passed} of {len(trials)} | {interval} | {shown} |"
