@@ -290,17 +290,15 @@ def test_supervisor_and_watchdog_keep_all_limits_for_any_program(
     guard, guarded = _guard(rig)
     rig.run()
     for action in sequence:
-        held, before = rig.supervisor.state is State.HELD, len(rig.sent)
+        held, before, began = rig.supervisor.state is State.HELD, len(rig.sent), rig.now
         _act(rig, action)
         if held and action == "release":
             assert rig.supervisor.state is State.RUNNING
             guard, guarded = _guard(rig)
+            began = rig.now
         elif held:
             assert rig.supervisor.state is State.HELD
-        for references in rig.sent[before:]:
-            guard.request(references, rig.now)
-            if (sent := guard.tick(rig.now)) is not None:
-                guarded.append(sent)
+        _forward(rig, guard, guarded, before, began)
     _end(rig, guard, guarded)
 
 
@@ -309,6 +307,21 @@ def _guard(rig: Rig) -> tuple[Watchdog, list[np.ndarray]]:
     guard = Watchdog(rig.limits, rig.period, deadline=0.05, start=0.05)
     guard.note_positions(rig.sent[0])
     return guard, [rig.sent[0]]
+
+
+def _forward(
+    rig: Rig, guard: Watchdog, guarded: list[np.ndarray], before: int, began: float
+) -> None:
+    """Let the watchdog tick since a time, and forward the references sent since then."""
+    new: list[np.ndarray | None] = [*rig.sent[before:]]
+    times = [*np.arange(began + rig.period, rig.now - 0.5 * rig.period, rig.period), rig.now]
+    references_of_ticks = [None] * (len(times) - len(new)) + new
+    times += [rig.now] * (len(new) - len(times))
+    for now, references in zip(map(float, times), references_of_ticks, strict=True):
+        if references is not None:
+            guard.request(references, now)
+        if (sent := guard.tick(now)) is not None:
+            guarded.append(sent)
 
 
 def _act(rig: Rig, action: tuple[float, float] | int | str) -> None:
@@ -334,8 +347,10 @@ def _end(rig: Rig, guard: Watchdog, guarded: list[np.ndarray]) -> None:
     rig.supervisor.hold("the test ends")
     longest = float((rig.limits.velocity / rig.limits.acceleration).max())
     for _ in range(40 + math.ceil(longest * 2 / rig.period)):
+        before, began = len(rig.sent), rig.now
         rig.pass_time(rig.period)
         rig.keep(rig.supervisor.settle(rig.now))
+        _forward(rig, guard, guarded, before, began)
     assert rig.supervisor.settle(rig.now) is None
     assert within(rig.limits, rig.sent, rig.period)
     for _ in range(2 + math.ceil((1.5 + longest) / rig.period)):
