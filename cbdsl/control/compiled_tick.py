@@ -72,7 +72,7 @@ class TickArrays(NamedTuple):
         law: Bounds and guards, and the law's result.
         references: References of the actuated joints, rad, shape (all,).
         load_guards: Guards of loads, shape (g,) of ``load_guard.LOAD_GUARD``.
-        distances: Pairs of links that keep a distance; none without a clearance.
+        distances: Pairs of links that keep a distance; ``None`` without a clearance.
     """
 
     signals: SignalArrays
@@ -82,7 +82,7 @@ class TickArrays(NamedTuple):
     law: LawArrays
     references: Floats
     load_guards: Records
-    distances: DistanceArrays
+    distances: DistanceArrays | None
 
 
 @compiled_once

@@ -30,7 +30,7 @@ def move(
     bends: bool,
     law: LawArrays,
     load_guards: Records,
-    distances: DistanceArrays,
+    distances: DistanceArrays | None,
 ) -> int:
     """Compose the displacement of all levels and move references by it.
 
@@ -42,7 +42,8 @@ def move(
         bends: True if the levels' Hessians are those of this tick.
         law: Bounds and guards; its result is overwritten.
         load_guards: Guards of loads, shape (g,) of ``load_guard.LOAD_GUARD``.
-        distances: Pairs of links that keep a distance.
+        distances: Pairs of links that keep a distance; ``None`` without a clearance, for which the
+            guard of distances is not compiled.
 
     Returns:
         ``ADVANCED``; ``NEEDS_HESSIANS`` or ``NOT_FINITE`` if nothing has moved.
@@ -54,13 +55,12 @@ def move(
         return NEEDS_HESSIANS
     if math.isnan(law.displacement[0]):
         return NOT_FINITE
-    if len(load_guards) == 0 and len(distances.pairs) == 0:
+    if distances is None:
+        if len(load_guards) > 0:
+            give_way(load_guards, signals, references, here, joints, levels, law)
         _advance(references, joints, here, law)
         return ADVANCED
     above = give_way(load_guards, signals, references, here, joints, levels, law)
-    if len(distances.pairs) == 0:
-        _advance(references, joints, here, law)
-        return ADVANCED
     parting = keep_apart(distances, references, here, joints, above, levels, law)
     before = references.copy()
     _advance(references, joints, here, law)

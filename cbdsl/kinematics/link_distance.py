@@ -75,15 +75,6 @@ class DistanceArrays(NamedTuple):
     at: Floats
 
 
-def no_distances() -> DistanceArrays:
-    """Return arrays without pairs, shapes and joints."""
-    return DistanceArrays(
-        np.zeros(0, SHAPE), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)),
-        np.zeros((0, 9)), np.zeros(0, PAIR), np.zeros(0, np.int64), np.zeros(0, JOINT),
-        np.zeros((1, 12)), np.zeros((0, 3)), np.zeros(4), np.zeros(0),
-    )  # fmt: skip
-
-
 @compiled_once
 def measure_held(arrays: Handle, positions: Floats) -> None:
     """Compute the distances of all pairs, for calls from Python; see ``measure``."""

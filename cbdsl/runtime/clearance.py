@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.diagnostics.counting import some
 from cbdsl.kinematics.link_clearance import LinkClearance
-from cbdsl.kinematics.link_distance import DistanceArrays, no_distances
+from cbdsl.kinematics.link_distance import DistanceArrays
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.sensing.signals import Signals
 
@@ -24,7 +24,7 @@ class Clearance:
     """Bound on the distances between the links of a robot.
 
     Attributes:
-        arrays: Shapes and pairs of links; none without a bound.
+        arrays: Shapes and pairs of links; ``None`` without a bound.
 
     Args:
         least: Least distance, m, if that of the robot is less; ``None`` for no other.
@@ -35,28 +35,31 @@ class Clearance:
     def __init__(self, least: float | None, signals: Signals, period: float) -> None:
         self._period, self._held = period, Counter[tuple[str, str]]()
         self._least = least = max(least or 0.0, signals.robot.clearance.distance or 0.0)
-        self._links = None
+        self._links: LinkClearance | None = None
         if least > 0.0:
             share = min(period / _TIME, _MOST)
             model = signals.kinematics.model
             self._links = LinkClearance(signals.robot, model, least, _NEAR, share, _PACE * period)
-        self.arrays: DistanceArrays = self._links.arrays if self._links else no_distances()
+        self.arrays: DistanceArrays | None = self._links.arrays if self._links else None
 
     def reset(self) -> None:
         """Forget the last episode."""
         self._held.clear()
-        self.arrays.pairs["held"] = False
+        if self._links is not None:
+            self._links.arrays.pairs["held"] = False
 
     def note(self) -> None:
         """Count the ticks in which pairs were held."""
-        if self._links is not None and self.arrays.pairs["held"].any():
+        if self._links is not None and self._links.arrays.pairs["held"].any():
             self._held.update(set(self._pairs))
 
     @property
     def _pairs(self) -> list[tuple[str, str]]:
         """Pairs of links that the last tick held apart."""
-        names = self._links.names if self._links else ()
-        return [names[number] for number in np.flatnonzero(self.arrays.pairs["held"])]
+        if self._links is None:
+            return []
+        names, held = self._links.names, self._links.arrays.pairs["held"]
+        return [names[number] for number in np.flatnonzero(held)]
 
     @property
     def holding(self) -> tuple[str, ...]:
@@ -72,12 +75,14 @@ class Clearance:
         Returns:
             Rows of shape (n,), by a clause about the pair.
         """
-        pairs, rows = self.arrays.pairs, dict[str, Floats]()
+        links, rows = self._links, dict[str, Floats]()
+        if links is None:
+            return rows
+        pairs = links.arrays.pairs
         for number in np.flatnonzero(pairs["held"] & pairs["near"]).tolist():
-            assert self._links is not None
-            one, other = self._links.names[number]
+            one, other = links.names[number]
             distance = 100 * float(pairs["distance"][number])
-            rows[f"{one} from {other} ({distance:.1f} cm)"] = -self._links.slope(number)[joints]
+            rows[f"{one} from {other} ({distance:.1f} cm)"] = -links.slope(number)[joints]
         return rows
 
     @property

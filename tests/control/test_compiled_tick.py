@@ -24,7 +24,6 @@ from cbdsl.control.slot import IDLE, SEARCH, TRACK
 from cbdsl.control.slot_step import _stride
 from cbdsl.control.stack import Stack
 from cbdsl.kinematics.forward import JOINT
-from cbdsl.kinematics.link_distance import no_distances
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import bind
@@ -116,7 +115,6 @@ class Bench:
         self.steps = np.zeros(len(JOINTS))
         self.law = Law(np.full(5, -1e3), np.full(5, 1e3), LawSettings(joint_step=1e3))
         self.loads, self.load_guards = np.zeros((0, 6)), np.zeros(0, LOAD_GUARD)
-        self.distances = no_distances()
 
     def write(self, place: int, reading: Reading, reference: Floats | None, stamp: int = 0) -> None:
         self.table.write(self.feedback[place], reading._replace(stamp=stamp))
@@ -142,7 +140,7 @@ class Bench:
         )  # fmt: skip
         arrays = TickArrays(
             signals, self.plan.arrays, acting, stack.arrays, law.arrays(step), self.references,
-            self.load_guards, self.distances,
+            self.load_guards, None,
         )  # fmt: skip
         return bind(tick, arrays)()
 
