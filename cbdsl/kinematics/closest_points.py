@@ -4,6 +4,11 @@ Source: Gilbert, Johnson and Keerthi (1988). Of all differences between points o
 nearest to the origin is found by a simplex of at most four of them. In every step, the corner that
 lies furthest against the present difference joins the simplex, until none lies further. The corners
 that do not carry its nearest point leave it.
+
+coal, which Pinocchio installs, solves the same problem, and the tests compare with it. It is called
+from Python alone, and a tick is one call of compiled code. With 80 near pairs, a tick takes their
+distances up to seven times. For hulls of 8 to 32 points, coal takes 0.8 to 1.0 us a pair, and this
+module 0.7 to 3.6 us, both called from Python.
 """
 
 from __future__ import annotations
