@@ -39,7 +39,7 @@ CLEARANCE = "clearance"
 #: Causes of a level whose pull vanishes.
 OPTIMUM, SINGULAR = "local optimum", "singular posture"
 
-#: RestCause of a level that levels above hold, and causes at the end of an episode.
+#: Cause of a level that levels above hold, and causes at the end of an episode.
 HELD, OUT_OF_REACH, BLOCKED, CREEPING = "held", "out of reach", "blocked", "creeping"
 
 # Holders whose rows are outward normals, which balance a pull along them alone.
@@ -57,7 +57,7 @@ _ROUNDING = 1e-9
 
 
 class RestCause(NamedTuple):
-    """RestCause that keeps a level from its target.
+    """Cause that keeps a level from its target.
 
     Attributes:
         kind: ``LIMITS``, ``HELD``, ``OPTIMUM``, ``SINGULAR``, ``OUT_OF_REACH``, ``BLOCKED`` or
