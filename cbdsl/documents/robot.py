@@ -38,6 +38,7 @@ from cbdsl.documents.document import (
 )
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.kind import Kind
+from cbdsl.documents.simulation_section import Simulation
 
 
 class TipSection(Section):
@@ -320,60 +321,6 @@ class JointTorques(Section):
     """Time constant of the low-pass filter of the torques."""
 
 
-class TipSurface(Section):
-    """Material of the links that touch objects."""
-
-    links: tuple[LinkName, ...] = ()
-    """Links of the URDF; a trailing * matches any ending."""
-    friction: NonNegative = 1.0
-    """Coefficient of lateral friction."""
-    stiffness: Number | None = None
-    """Contact stiffness, N/m; rigid if omitted."""
-    damping: Number | None = None
-    """Contact damping, N s/m."""
-    friction_anchor: bool = False
-    """True if sticking points of contact return to where they first touched; otherwise soft
-    surfaces creep under a steady load."""
-
-
-class MujocoSection(Section):
-    """Constants of the engine ``mujoco``; the defaults hold grasped objects."""
-
-    servo_frequency: Rate = 90.0
-    """Natural frequency of the joint servos, rad/s: square root of stiffness per inertia."""
-    armature: NonNegative = 1.0
-    """Inertia of the joints' drives, as a share of the moved inertia; 1 for matched gearing."""
-    contact_time: Duration = 0.01
-    """Time constant of the separation of penetrating objects."""
-    spinning_friction: Lever = 0.005
-    """Maximum frictional torque about the normal of a contact, per force of the contact."""
-    friction_stiffness: Positive = 1.0
-    """Ratio of the stiffness of contacts along the surfaces to that across them."""
-    noslip_iterations: Count = 5
-    """Iterations that end creeping, so that objects stay in the hand; with 0, contacts creep under
-    load."""
-
-
-class Simulation(Section):
-    """Constants of simulated robots."""
-
-    physics_rate: Rate = 240.0
-    """Physics steps per second."""
-    solver_iterations: PositiveCount = 20
-    """Iterations of the contact solver per physics step."""
-    position_gain: NonNegative = 0.3
-    """Gain of the simulated servos on a joint's position error."""
-    velocity_gain: NonNegative = 1.0
-    """Gain of the simulated servos on a joint's velocity error."""
-    efforts: dict[str, Torque] = {}
-    """Joint torques that replace the URDF's."""
-    surfaces: tuple[TipSurface, ...] = ()
-    """Materials of links, the last one of those that name a link; other links have the engine's."""
-    no_contact: tuple[tuple[LinkName, ...], ...] = ()
-    """Groups of links without contacts among each other; a trailing * matches any ending."""
-    mujoco: MujocoSection = MujocoSection.model_construct()
-
-
 class HullSection(Section):
     """Hull of points, grown by a radius: a ball around one point, a capsule around two."""
 
@@ -391,7 +338,7 @@ class ClearanceSection(Section):
     ignore: tuple[tuple[LinkName, ...], ...] = ()
     """Groups of links that may touch each other; a trailing * matches any ending."""
     shapes: dict[LinkName, tuple[HullSection, ...]] = {}
-    """Shapes of links in place of those around their collision geometry; none if empty."""
+    """Shapes of links that replace their collision geometry; an empty list leaves a link out."""
     keep_out: dict[Name, HullSection] = {}
     """Places in the world frame from which links keep the distance, too."""
 

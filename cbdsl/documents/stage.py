@@ -35,8 +35,8 @@ class Surface(Section):
     rolling_friction: NonNegative = 0.002
     """Coefficient of rolling friction: lever of the normal force, m."""
     spinning_friction: NonNegative | None = None
-    """Coefficient of friction against turning about the contact's normal, m; that of rolling if
-    omitted."""
+    """Coefficient of friction against turning about the contact's normal, m; the coefficient of
+    rolling if omitted."""
 
     @property
     def spinning(self) -> float:
@@ -95,9 +95,9 @@ class WorldSection(Section):
     persistent: bool = False
     """True if each episode starts from the state of robot and world at the end of the last one."""
     put_back: Literal["nothing", "fallen", "moved"] = "fallen"
-    """Objects that the experimenter returns to their first places between episodes, unless the
-    robot touches them or is in the way: those that fell by 20 cm or more, or moved by 2 cm or
-    more."""
+    """Objects that the experimenter returns to their first places between episodes: objects that
+    fell by 20 cm or more, or moved by 2 cm or more. They stay if the robot touches them or is in
+    the way."""
     where: Literal["same", "anew"] = "same"
     """Place of the return: the first one, or a newly drawn one."""
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl.kinematics.closest_points import closest_points
-from cbdsl.kinematics.forward import JOINT, place_joints, place_point, twist_of
+from cbdsl.kinematics.forward import place_joints, place_point, twist_of
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.handle import Handle

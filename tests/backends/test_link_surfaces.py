@@ -11,7 +11,8 @@ import pytest
 
 from cbdsl.backends.mujoco.robot_spec import body_name
 from cbdsl.backends.staging.links import link_surfaces
-from cbdsl.documents.robot import RobotDocument, TipSurface
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.simulation_section import TipSurface
 from cbdsl.robot.urdf_reader import read_urdf
 from tests.backends.conftest import BACKENDS, URDF, sightless, stage_named
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cbdsl.documents.robot import MujocoSection
+from cbdsl.documents.simulation_section import MujocoSection
 from cbdsl.documents.stage import Surface
 
 # Impedance near and in a rigid contact, and the depth over which it grows, m.

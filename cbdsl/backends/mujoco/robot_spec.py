@@ -13,7 +13,8 @@ from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_shape
 from cbdsl.backends.staging.links import link_surfaces, matching_links
 from cbdsl.backends.staging.scenario import GRAVITY
-from cbdsl.documents.robot import Coupling, MujocoSection, RobotDocument
+from cbdsl.documents.robot import Coupling, RobotDocument
+from cbdsl.documents.simulation_section import MujocoSection
 from cbdsl.kinematics.link_mass import LinkMass, link_masses
 from cbdsl.kinematics.pose import Pose, displacement
 from cbdsl.robot.joints import Joints

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.documents.robot import RobotDocument, TipSurface
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.simulation_section import TipSurface
 from cbdsl.robot.urdf import UrdfModel
 
 
