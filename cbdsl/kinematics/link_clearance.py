@@ -24,7 +24,7 @@ from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import hold
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf import UrdfModel, is_named
 
 # Number of sampled postures, and largest turn of unlimited joints in them, rad.
 _SAMPLES, _TURN = 100, math.pi
@@ -151,8 +151,10 @@ class LinkClearance:
 
     def _movable_pairs(self, links: Sequence[str]) -> Iterator[tuple[str, str]]:
         """Yield the pairs of links that may come near each other, and must not."""
-        groups = *self._robot.simulation.no_contact, *self._robot.clearance.ignore
-        together = [frozenset(_matching(links, group)) for group in groups]
+        together = [
+            {link for link in links if any(is_named(link, pattern) for pattern in group)}
+            for group in (*self._robot.simulation.no_contact, *self._robot.clearance.ignore)
+        ]
         places = self._robot.clearance.keep_out
         ways = {link: self._turning(link) for link in links}
         hands = [
@@ -192,15 +194,6 @@ def too_near_at_start(robot: RobotDocument, model: UrdfModel, least: float) -> s
 
 def _stated(shape: HullSection) -> ConvexShape:
     return ConvexShape(np.array(shape.points, dtype=float), shape.radius)
-
-
-def _matching(links: Sequence[str], patterns: Sequence[str]) -> Iterator[str]:
-    """Yield the links that match patterns; a trailing * matches any ending."""
-    for link in links:
-        for pattern in patterns:
-            start = pattern.removesuffix("*")
-            if link == pattern or (start != pattern and link.startswith(start)):
-                yield link
 
 
 def _records(shapes: Sequence[ConvexShape], frames: Sequence[int]) -> tuple[Any, Floats]:

@@ -305,6 +305,12 @@ class UrdfModel:
         return {joint.child: joint for joint in self.joints.values()}
 
 
+def is_named(link: str, pattern: str) -> bool:
+    """Return whether a pattern of a robot document names a link; a trailing * matches any end."""
+    start = pattern.removesuffix("*")
+    return link == pattern or (start != pattern and link.startswith(start))
+
+
 def way_to_root(link: str, parents: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:
     """Return all joints from a link up to the root; ``parents`` are joints by their child link."""
     way: list[UrdfJoint] = []

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from itertools import combinations
 
-from cbdsl.backends.staging.links import matching_links
+from cbdsl.backends.staging.links import pairs_without_contact
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.robot.weight import overloads
@@ -52,11 +51,7 @@ def _contacts(
 ) -> list[str]:
     from cbdsl.kinematics.self_contacts import SelfContacts  # only a blocked arm needs it
 
-    ignored = {
-        pair
-        for group in robot.simulation.no_contact
-        for pair in combinations(sorted(set(matching_links(robot, model, group))), 2)
-    }
+    ignored = pairs_without_contact(robot, model)
     touching = [
         f"{one} touches {other}"
         for one, other in sorted(SelfContacts(model).touching(positions) - ignored)

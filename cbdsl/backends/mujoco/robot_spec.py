@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations
 from typing import Any
 
 import mujoco as mj
@@ -11,7 +10,7 @@ import mujoco as mj
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_shape
-from cbdsl.backends.staging.links import link_surfaces, matching_links
+from cbdsl.backends.staging.links import link_surfaces, pairs_without_contact
 from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.documents.robot import Coupling, RobotDocument
 from cbdsl.documents.simulation_section import MujocoSection
@@ -47,7 +46,7 @@ def make_robot_spec(robot: RobotDocument, model: UrdfModel, timestep: float) -> 
     settings = robot.simulation.mujoco
     spec = _empty_world(timestep, settings)
     _Links(spec, robot, model)
-    for first, second in sorted(_without_contact(robot, model)):
+    for first, second in sorted(pairs_without_contact(robot, model) | model.carried_pairs()):
         spec.add_exclude(bodyname1=body_name(first), bodyname2=body_name(second))
     for passive, coupling in robot.couplings.items():
         _couple(spec, passive, coupling)
@@ -148,14 +147,6 @@ def _set_mass(body: Any, of: LinkMass) -> None:
     body.explicitinertial = True
     body.mass, body.inertia = of.mass, of.moments
     body.ipos, body.iquat = of.frame.position, wxyz(of.frame)
-
-
-def _without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, str]]:
-    """Return the pairs of links with their carriers, and those of the robot file's groups."""
-    pairs = set(model.carried_pairs())
-    for group in robot.simulation.no_contact:
-        pairs |= set(combinations(sorted(set(matching_links(robot, model, group))), 2))
-    return pairs
 
 
 def _couple(spec: Any, passive: str, coupling: Coupling) -> None:

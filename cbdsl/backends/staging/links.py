@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import combinations
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.simulation_section import TipSurface
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf import UrdfModel, is_named
 
 
 def matching_links(
@@ -20,14 +21,9 @@ def matching_links(
     """
     links: list[str] = []
     for pattern in patterns:
-        start = pattern.removesuffix("*")
         # In the model's order, which its set of names does not have.
-        matching = [
-            name
-            for name in model.bodies
-            if name == pattern or (pattern != start and name.startswith(start))
-        ]
-        if not matching and pattern == start:
+        matching = [name for name in model.bodies if is_named(name, pattern)]
+        if not matching and not pattern.endswith("*"):
             raise BackendError(
                 f"{model.path.name} has no link '{pattern}', which robot '{robot.name}' names"
             )
@@ -38,6 +34,16 @@ def matching_links(
             )
         links += matching
     return tuple(links)
+
+
+def pairs_without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, str]]:
+    """Return the pairs of links whose contacts a robot file ignores, each in order of the names.
+
+    Raises:
+        BackendError: A pattern matches no link.
+    """
+    groups = (set(matching_links(robot, model, each)) for each in robot.simulation.no_contact)
+    return {pair for group in groups for pair in combinations(sorted(group), 2)}
 
 
 def link_surfaces(robot: RobotDocument, model: UrdfModel) -> Mapping[str, TipSurface]:

@@ -13,7 +13,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN
 from cbdsl.documents.robot import Effector
 from cbdsl.robot.chains import root
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported
-from cbdsl.robot.urdf import UrdfJoint, UrdfModel
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel, is_named
 from cbdsl.yaml_text.source_map import Step
 
 Steps = tuple[Step, ...]
@@ -115,7 +115,7 @@ class ModelCheck:
                 would_do = [root(self._model)] if steps == ("base",) else links
                 self._missing("CB303", link, self._source.place(*steps), would_do)
         for steps, pattern in self._patterns():
-            if not self._matches(pattern):
+            if not any(is_named(link, pattern) for link in links):
                 self._missing("CB303", pattern, self._source.place(*steps), links)
 
     def _base(self) -> None:
@@ -157,11 +157,6 @@ class ModelCheck:
         for i, group in enumerate(self._robot.clearance.ignore):
             for j, pattern in enumerate(group):
                 yield ("clearance", "ignore", i, j), pattern
-
-    def _matches(self, pattern: str) -> bool:
-        if not pattern.endswith("*"):
-            return pattern in self._model.links
-        return any(link.startswith(pattern[:-1]) for link in self._model.links)
 
     def _missing(self, code: str, name: str, place: Place, names: Sequence[str]) -> None:
         everything = [*self._model.joints] if code == "CB302" else names
