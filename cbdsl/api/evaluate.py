@@ -59,8 +59,8 @@ def evaluate(
 ) -> SuccessRate:
     """Run held-out episodes of a program, without learning, and count the successes.
 
-    An episode succeeds if it is rewarded or reaches a state of success. With a ``judge``, the truth
-    of the simulated world at the end of the episode decides instead.
+    An episode succeeds as in ``EpisodeResult``. With a ``judge``, the truth of the simulated world
+    at the end of the episode decides instead.
 
     Args:
         program: Result of ``load``, or a file or name for it.

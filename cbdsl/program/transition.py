@@ -23,6 +23,7 @@ class Transition:
         allocation: Allocation of a schema's action; empty without one.
         features: Defined features by name, in SI, when the action was chosen.
         use: Names of the actions that lead to the program, parted by dots; empty for the main one.
+        reason: Reason that the program states for a failure in ``next_state``; empty otherwise.
     """
 
     program: str
@@ -37,6 +38,7 @@ class Transition:
     allocation: str = ""
     features: Mapping[str, float] = field(default_factory=dict)
     use: str = ""
+    reason: str = ""
 
     @property
     def title(self) -> str:

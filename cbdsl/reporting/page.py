@@ -16,6 +16,7 @@ from cbdsl.reporting.thumbnails import chosen, encoded
 from cbdsl.reporting.why.diagnosis import diagnose
 from cbdsl.reporting.why.history import History
 from cbdsl.robot.meshes.mesh_reader import Mesh
+from cbdsl.runtime.recording import HOLDERS
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
             "scene.js", "viewpoints.js", "world.js", "timeline.js", "replay.js")  # fmt: skip
@@ -34,9 +35,10 @@ def _data(recorded: Recorded) -> str:
     links = read_links(summary["robot"], summary["joints"])
     header = {
         "result": {key: summary["result"][key] for key in _RESULT},
-        "causes": _causes(recorded),
+        **_causes(recorded),
         "joints": summary["joints"],
         "controllers": summary["controllers"],
+        "holders": [*summary["controllers"], *HOLDERS],
         "triples": summary["triples"],
         "members": summary["members"],
         "transitions": summary["transitions"],
@@ -58,15 +60,16 @@ def _data(recorded: Recorded) -> str:
 _RESULT = ("program", "stage", "context", "seed", "rewarded", "sim_seconds", "ending")
 
 
-def _causes(recorded: Recorded) -> list[dict[str, object]]:
-    """Return the causes of a failure with their times, s, the first one first."""
+def _causes(recorded: Recorded) -> dict[str, object]:
+    """Return whether it failed, and the causes with their times, s, the first one first."""
     history = History(recorded)
     diagnosis = diagnose(history)
     causes = () if diagnosis.cause is None else (diagnosis.cause, *diagnosis.others)
-    return [
+    rows = [
         {"kind": each.kind, "time": float(history.time[each.tick]), "text": each.sentence}
         for each in causes
     ]
+    return {"failed": diagnosis.failed, "causes": rows}
 
 
 def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:

@@ -33,6 +33,7 @@ class _Result(BaseModel, strict=True):
     far: list[str] = []
     causes: dict[str, str] = {}
     halted: bool = False
+    succeeded: bool = False
 
 
 class _RecordedTriple(BaseModel, strict=True):
@@ -56,8 +57,6 @@ class _Limits(BaseModel, strict=True):
     idle_time: float | None = None
     episode_time: float | None = None
     lost_time: float | None = None
-    success: list[str] = []
-    reasons: dict[str, str] = {}
 
 
 class _Turned(BaseModel, strict=True):
@@ -118,6 +117,7 @@ class _Transition(BaseModel, strict=True):
     allocation: str = ""
     features: dict[str, float] = {}
     use: str = ""
+    reason: str = ""
 
 
 class _Summary(BaseModel, strict=True):

@@ -280,6 +280,7 @@ class Runner:
             far=tuple(causes),
             causes={name: str(cause or "unknown") for name, cause in causes.items()},
             halted=bool(ending),
+            succeeded=run.succeeded and not ending,
         )
 
     @property

@@ -27,6 +27,7 @@ class EpisodeResult:
         far: Controllers of the last action that are stuck: at rest beyond their tolerances.
         causes: Cause that keeps each of them from its target, by name.
         halted: True if an interrupt, an error or a late tick ended it, and not its program.
+        succeeded: True if it was not halted and its program succeeded, as ``ProgramRun.succeeded``.
     """
 
     program: str
@@ -46,8 +47,4 @@ class EpisodeResult:
     far: tuple[str, ...] = ()
     causes: Mapping[str, str] = field(default_factory=dict)
     halted: bool = False
-
-    @property
-    def succeeded(self) -> bool:
-        """True if the episode was rewarded or reached a state of success."""
-        return self.rewarded or self.outcome == "success"
+    succeeded: bool = False

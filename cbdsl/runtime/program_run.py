@@ -221,6 +221,16 @@ class ProgramRun:
         return ProgramRun(program, signals, plan, self._period, self._depth + 1, use)
 
     @property
+    def succeeded(self) -> bool:
+        """True if its state is a success or, without an outcome, a reward or its rest decided so.
+
+        Rewards on the way to a stated success decide nothing.
+        """
+        if self.outcome:
+            return self.outcome == "success"
+        return self.predicate == "1" or (self.rewarded and not self.program.success)
+
+    @property
     def colors(self) -> Collection[str]:
         """Named colours of the robot."""
         return named_colors(self._signals.robot.vision.channels)
@@ -297,6 +307,7 @@ class ProgramRun:
         assert self._action is not None
         changed = state != self.state
         rewarding = self._rewards.rewarding(self._action, self.state, state)
+        conclusion = self._rewards.conclusion(state, self.stuck)
         self.transitions += 1
         self._listener(
             Transition(
@@ -312,13 +323,13 @@ class ProgramRun:
                 self._action.allocation,
                 self._features,
                 self._use,
+                "" if conclusion is None else conclusion.reason,
             )
         )
         self.state = state
         self.rewarded |= bool(rewarding)
         # A stated success or failure has precedence over a reward and over the number of
         # transitions.
-        conclusion = self._rewards.conclusion(state, self.stuck)
         if conclusion is not None:
             self.outcome = conclusion.outcome
             self._end("1" if conclusion.outcome == "success" else "-", conclusion.reason)

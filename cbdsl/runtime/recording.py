@@ -327,11 +327,8 @@ def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
 
 
 def limits(program: CheckedProgram) -> dict[str, dict[str, object]]:
-    """Return the limits of transitions and times, s, and the stated failures, by program."""
-    keys = (
-        "transitions", "transition_time", "idle_time", "episode_time", "lost_time", "success",
-        "reasons",
-    )  # fmt: skip
+    """Return the limits of transitions and times, s, by program."""
+    keys = ("transitions", "transition_time", "idle_time", "episode_time", "lost_time")
     return {each.name: {key: getattr(each, key) for key in keys} for each in _programs(program)}
 
 

@@ -563,7 +563,7 @@ def test_a_reward_need_not_end_an_episode_and_time_does(written: Written, play: 
         "limits: {reward_ends: false, episode_time: 6 s, transition_time: 60 s}\n"
     )
     result = play(program, lambda rng: on_table()).result
-    assert result.rewarded
+    assert result.rewarded and result.succeeded
     assert result.sim_seconds == pytest.approx(6.0, abs=0.05)
     assert result.ending.startswith("Rewarded")
     assert "6 s of" in result.ending
@@ -576,7 +576,7 @@ def test_rewards_on_the_way_are_no_success(written: Written, play: Play) -> None
         "limits: {reward_ends: false, episode_time: 6 s, transition_time: 60 s}\n"
     )
     result = play(program, lambda rng: on_table(), joints={"tilt": -0.9, "pan": 1.2}).result
-    assert result.outcome == ""
+    assert (result.outcome, result.rewarded, result.succeeded) == ("", True, False)
     assert result.ending.startswith("Neither succeeded nor failed after 6.0 s")
 
 

@@ -1,10 +1,10 @@
 // The page: what time it is, and who is told when that changes.
 
-function tellResult({ result, causes }) {
+function tellResult({ result, failed, causes }) {
   byId("program").textContent = result.program;
   byId("where").textContent = `on ${result.stage}, ${result.context}, seed ${result.seed}`;
   byId("verdict").textContent = result.ending.split(" after ")[0].toLowerCase();
-  byId("verdict").className = result.ending.startsWith("Not") ? "not" : "rewarded";
+  byId("verdict").className = failed ? "not" : "rewarded";
   byId("ending").textContent = result.ending;
   byId("reasons-heading").hidden = !causes.length;
   byId("reasons").replaceChildren(...causes.map(({ time, text }) => {
@@ -40,7 +40,7 @@ function makeCameras({ cameras }) {
 
 // The stack in a tick: who acts, and who takes whose freedom.
 function makeLevels(data) {
-  const { arrays, controllers } = data, count = controllers.length, holders = [...controllers, "joint limits", "local optimum", "singular posture", "clearance"];
+  const { arrays, controllers, holders } = data, count = controllers.length;
   const period = arrays.time.length > 1 ? arrays.time[1] - arrays.time[0] : 1;
   const cell = (content, kind = "") => {
     const td = Object.assign(document.createElement("td"), { className: kind });

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from cbdsl.reporting.why.history import END, FailureCause, History
-from cbdsl.types.state import matches
 
 # Number of equal rounds that make a cycle.
 _ROUNDS = 3
@@ -70,13 +69,11 @@ def _stated(history: History) -> Iterator[FailureCause]:
     if history.result.get("outcome") != "failure":
         return
     latest: dict[str, Mapping[str, Any]] = {each["program"]: each for each in history.transitions}
-    for each in sorted(latest.values(), key=lambda each: -each["depth"]):
-        reasons = history.summary.get("limits", {}).get(each["program"], {}).get("reasons", {})
-        for pattern, reason in reasons.items():
-            if reason and matches(pattern, each["next_state"]):
-                clause = f"{each['program']} states in {each['next_state']}: {reason}"
-                yield FailureCause("stated", history.tick(each["time"]), clause, rank=END)
-                return
+    stated = [each for each in latest.values() if each.get("reason")]
+    if stated:
+        inner = max(stated, key=lambda each: each["depth"])
+        clause = f"{inner['program']} states in {inner['next_state']}: {inner['reason']}"
+        yield FailureCause("stated", history.tick(inner["time"]), clause, rank=END)
 
 
 def _inner(history: History) -> Iterator[FailureCause]:
@@ -111,7 +108,7 @@ def _cycle(history: History, own: Sequence[Mapping[str, Any]]) -> Iterator[Failu
         if rounds >= _ROUNDS:
             again = own[len(own) - length * (rounds - 1)]
             names = ", ".join(dict.fromkeys(step[1] for step in steps[-length:]))
-            clause = f"{names} repeated the same states {rounds} times without progress"
+            clause = f"{names} repeated the same states {rounds} times until the end"
             tick = max(0, history.tick(again["time"]) - again["ticks"])
             yield FailureCause(
                 "cycle", tick, clause, {"rounds": rounds, "length": length}, rank=END

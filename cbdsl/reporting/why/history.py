@@ -144,18 +144,15 @@ class History:
 
     @property
     def limits(self) -> Mapping[str, Any]:
-        """Limits and outcomes that the main program states; empty if unrecorded."""
+        """Limits of the main program; empty if unrecorded."""
         limits: Mapping[str, Any] = self.summary.get("limits", {}).get(self.result["program"], {})
         return limits
 
     @property
     def failed(self) -> bool:
-        """True if the episode was halted, or did not reach a success or, without one, a reward."""
-        outcome = self.result.get("outcome", "")
-        succeeded = outcome == "success" or (
-            self.result["rewarded"] and not outcome and not self.limits.get("success")
-        )
-        return bool(self.result.get("halted")) or not succeeded
+        """True if the episode did not succeed."""
+        is_rewarded = self.result["rewarded"] or self.result.get("outcome") == "success"
+        return not self.result.get("succeeded", is_rewarded)  # older recordings lack it
 
     @property
     def is_complete(self) -> bool:

@@ -85,3 +85,39 @@ def test_why_of_a_faulty_recording_is_refused_with_the_reason(
     (tmp_path / "version.json").write_text(text, "utf-8")
     assert cb(monkeypatch, "why", str(tmp_path / name)) == 2
     assert told in capsys.readouterr().err
+
+
+_FAR = """\
+cbdsl: 1
+kind: program
+name: far
+robot: dexter
+stage: absent
+controllers:
+  reach:
+    potential: spring
+    reference: [2 m, -1 m, 1 m]
+    feedback: right_arm.position
+    effector: right_arm.position
+steps:
+  reach: {exits: [reach stuck: fail the place is too far, reach at rest: fail it is near]}
+limits: {transitions: 4, transition_time: 20 s}
+"""
+
+
+def test_why_states_the_reason_of_a_member_that_is_stuck(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "far.yaml"
+    program.write_text(_FAR, "utf-8")
+    cb(monkeypatch, "why", str(program), "--backend", "kinematic", "--json")
+    row = json.loads(capsys.readouterr().out)
+    (stated,) = [each for each in (row["cause"], *row["others"]) if each["kind"] == "stated"]
+    assert stated["sentence"] == "far states in 1: the place is too far"
+
+
+def test_why_of_a_program_that_came_to_rest_without_rewards_has_nothing_to_explain(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "why", "posture", "--backend", "kinematic") == 0
+    assert "it did not fail. Done after" in capsys.readouterr().out
