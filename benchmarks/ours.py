@@ -21,7 +21,7 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import hold
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.episode import resources_of
+from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.observation import Loads, Observation
 from cbdsl.sensing.signals import Signals

@@ -32,6 +32,7 @@ from cbdsl.runtime.ending import (
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.policy import Policy
+from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
@@ -333,22 +334,3 @@ class Runner:
             self._run.advance()
         except (SensorError, SignalError, ConvergenceError) as error:
             raise EpisodeError(f"seed {seed}, {observation.time:.2f} s: {error}") from error
-
-
-def resources_of(program: CheckedProgram) -> Sequence[Resource]:
-    """Return every resource that a program and the programs it uses can read."""
-    resources: dict[Resource, None] = {}
-    compositions = [program.background, *(action.composition for action in program.actions)]
-    for composition in compositions:
-        for controller in composition.controllers if composition else ():
-            resources.update(dict.fromkeys(controller.resources))
-    for condition in program.conditions.values():
-        resources.update(dict.fromkeys(condition.resources))
-    for action in program.actions:
-        if action.program is not None:
-            resources.update(dict.fromkeys(resources_of(action.program)))
-    if program.schema is not None:
-        resources.update(dict.fromkeys(program.schema.features.values()))
-    for look in program.looks.values():
-        resources.update(dict.fromkeys(resources_of(look.program)))
-    return list(resources)

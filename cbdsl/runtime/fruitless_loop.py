@@ -9,8 +9,9 @@ import numpy as np
 
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.program_resources import resources_of
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import Origin, Resource
+from cbdsl.types.resource import Origin
 
 # A loop has at most this many transitions, and this time, s, for a round. A slower round contains
 # an action that waits, by its quiescence or its limit of time, for an event that may come.
@@ -44,7 +45,7 @@ class FruitlessLoop:
 
     def __init__(self, program: CheckedProgram, signals: Signals) -> None:
         self._program, self._signals = program, signals
-        self._resources = tuple(dict.fromkeys(_measured(program)))
+        self._resources = [r for r in resources_of(program) if r.origin in _MEASURED]
         self.forget()
 
     def forget(self) -> None:
@@ -109,15 +110,3 @@ class FruitlessLoop:
         lacking = [resource.name for resource, value in pairs if value is None][:3]
         stayed = f": {' and '.join(lacking)} stayed undefined" if lacking else ""
         return f"went round {around} for {passed:.1f} s, and no signal changed{stayed}"
-
-
-def _measured(program: CheckedProgram) -> list[Resource]:
-    """Return the measured resources that a program and its subprograms read."""
-    read = [r for condition in program.conditions.values() for r in condition.resources]
-    resources = [r for r in read if r.origin in _MEASURED]
-    for action in program.actions:
-        controllers = action.composition.controllers if action.composition else ()
-        resources += [r for c in controllers for r in c.resources if r.origin in _MEASURED]
-        if action.program is not None:
-            resources += _measured(action.program)
-    return resources

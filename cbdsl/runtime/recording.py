@@ -23,10 +23,10 @@ from cbdsl.robot.joints import Joints
 from cbdsl.robot.meshes.simplified_mesh import simplified
 from cbdsl.runtime.causes import CLEARANCE, LIMITS, OPTIMUM, SINGULAR
 from cbdsl.runtime.controllers.controller_run import ControllerRun
-from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import Explanation, LevelExplanation, named_runs
+from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.recording_folder import RecordingFolder
 from cbdsl.runtime.tick import Tick

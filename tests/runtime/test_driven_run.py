@@ -17,9 +17,9 @@ from cbdsl.program.transition import Transition
 from cbdsl.runtime import actuation as actuation_module
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controllers.controller_run import ControllerRun
-from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.policies.policy import Choice
+from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals

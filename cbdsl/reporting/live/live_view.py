@@ -12,11 +12,11 @@ from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.frame import frame, images
 from cbdsl.reporting.live.page_message import Message, message
 from cbdsl.reporting.live.transport import Transport
-from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.program_composer import Composer
+from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.recording import drawn, is_place, members, triple
 from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Resource

@@ -20,7 +20,7 @@ from cbdsl.robot.resources import resources
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controllers.controller_run import ControllerRun
-from cbdsl.runtime.episode import resources_of
+from cbdsl.runtime.program_resources import resources_of
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip
 from tests.conftest import Checked
