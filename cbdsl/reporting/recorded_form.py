@@ -6,12 +6,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, ValidationError
 
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
-from cbdsl.runtime.recording import HOLDERS
+from cbdsl.runtime.recording import HOLDERS, SIGHT
 
 # Numbers in the size of a part: edges, a radius, or a radius and a height.
 _SIZES = {"box": 3, "ball": 1, "cylinder": 2}
@@ -125,7 +126,7 @@ class _Summary(BaseModel, strict=True):
     source: list[str] = ["", ""]
     joints: list[str]
     controllers: list[str]
-    load_cells: list[Any]
+    load_cells: list[str]
     guards: list[str] = []
     predicates: list[str]
     transitions: list[_Transition]
@@ -156,6 +157,11 @@ def summary_faults(summary: Mapping[str, Any]) -> Iterator[str]:
         yield "predicates: there are none"
     if any(len(each) != len(controllers) for each in summary["predicates"]):
         yield "predicates: have not one letter for each controller"
+    members = summary["members"]
+    for each in summary["transitions"]:
+        states = (each["state"], each["next_state"])
+        if any(len(state) != len(members.get(each["program"], ())) for state in states):
+            yield "transitions: have not one letter for each member"
     for parts in summary["scene"].values():
         yield from (fault for part in parts for fault in _part_faults(part))
 
@@ -167,9 +173,13 @@ def _robot_faults(summary: Mapping[str, Any]) -> Iterator[str]:
         if not has_numbers or pair[0] not in summary["joints"]:
             yield f"robot.couplings.{name}: is not a recorded joint with a ratio"
     try:
-        len(parse_urdf(robot["urdf"], Path("robot.urdf")).bodies)
+        bodies = parse_urdf(robot["urdf"], Path("robot.urdf")).bodies
     except UrdfError as error:
         yield f"{error}"
+        return
+    for name, tip in robot.get("tips", {}).items():
+        if tip["link"] not in bodies or tip["joint"] not in summary["joints"]:
+            yield f"robot.tips.{name}: is not on a recorded joint and link"
 
 
 def _part_faults(part: Mapping[str, Any]) -> Iterator[str]:
@@ -201,8 +211,13 @@ def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]])
         ):
             yield f"{name}: is of {array.dtype}"
     count = len(summary["controllers"])
-    if arrays["level_held_by"].max(initial=-1) >= count + len(HOLDERS):
-        yield "level_held_by: names a controller that is not there"
+    for name, what, end in (
+        ("level_held_by", "controller", count + len(HOLDERS)),
+        ("sight", "kind of sight", len(SIGHT)),
+    ):
+        codes = arrays.get(name, np.zeros(0))
+        if codes.min(initial=0) < -1 or codes.max(initial=-1) >= end:
+            yield f"{name}: names a {what} that is not there"
 
 
 def _shape(

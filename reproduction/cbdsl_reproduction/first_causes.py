@@ -49,7 +49,7 @@ _LATER = 1.5
 
 
 class WorldFault(EpisodeObserver):
-    """WorldFault of the world or the backend, injected between two control ticks.
+    """Fault of the world or the backend, injected between two control ticks.
 
     Attributes:
         time: Time of the first injection, s; ``None`` before it.
@@ -164,7 +164,7 @@ class Injection(NamedTuple):
         kind: Expected kind of the first cause; empty for a cause that is not on the list.
         program: Name of the program.
         edits: Replacements in the texts of programs and stages, by their names.
-        fault: WorldFault of world or backend, if any.
+        fault: Fault of world or backend, if any.
         stage: Name of the stage; empty for the program's.
     """
 

@@ -159,6 +159,22 @@ SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
         lambda file: changed(file.with_suffix(".npz"), level_held_by=lambda a: a + 99),
         "level_held_by: names a controller",
     ),
+    "held from below": (
+        lambda file: changed(file.with_suffix(".npz"), level_held_by=lambda a: a - 99),
+        "level_held_by: names a controller",
+    ),
+    "another sight": (
+        lambda file: changed(file.with_suffix(".npz"), sight=lambda a: a + 99),
+        "sight: names a kind of sight",
+    ),
+    "a transition of another program": (
+        lambda file: rewrite(file, lambda s: s["transitions"][0].update(program="other")),
+        "transitions: have not one letter for each member",
+    ),
+    "a tip on another link": (
+        lambda file: rewrite(file, lambda s: s["robot"]["tips"]["right_arm"].update(link="tail")),
+        r"damaged \(robot.tips.right_arm",
+    ),
     "words for numbers": (
         lambda file: changed(file.with_suffix(".npz"), time=lambda a: a.astype(str)),
         r"damaged \(time: is of <U",

@@ -25,10 +25,10 @@ _BETWEEN = 0.7
 
 
 class GraspAttempt(NamedTuple):
-    """GraspAttempt of a hand to close on an object.
+    """Attempt of a hand to close on an object.
 
     Attributes:
-        course: ControllerCourse of the controller that closes it.
+        course: Course of the controller that closes it.
         first: Tick in which the hand began to close.
         last: Tick in which it had closed on nothing.
     """

@@ -18,15 +18,9 @@ _LONGEST = 12
 
 def order(history: History) -> Iterator[FailureCause]:
     """Yield controllers that required a contact before any hand had tried to make it."""
+    by_name = {each.name: each for each in history.courses}
     for course in history.courses:
-        required = next(
-            (
-                each
-                for each in history.courses
-                if each.name == course.program + course.requires and course.requires
-            ),
-            None,
-        )
+        required = by_name.get(course.program + course.requires) if course.requires else None
         lacks = np.flatnonzero(history.lacks(course))
         if required is None or not course.member or not len(lacks) or not required.grasps:
             continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -18,15 +18,13 @@ from cbdsl.reporting.recorded import Recorded
 from cbdsl.runtime.recording import FLAGS, HOLDERS, SIGHT
 
 Mask = NDArray[np.bool_]
-_IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
-
 
 #: Ranks of causes: a halt explains any end, and a mere end is a cause only without an event.
 HALT, EVENT, END = range(3)
 
 
 class FailureCause(NamedTuple):
-    """FailureCause of a failure, as recorded.
+    """Cause of a failure, as recorded.
 
     Attributes:
         kind: Name of the kind.
@@ -46,7 +44,7 @@ class FailureCause(NamedTuple):
 
 
 class ControllerCourse(NamedTuple):
-    """ControllerCourse of one controller.
+    """Recorded values of one controller by tick, with its triple.
 
     Attributes:
         name: Name, qualified by the uses of programs.
@@ -59,6 +57,7 @@ class ControllerCourse(NamedTuple):
         shares: Achieved share of the requested displacement by tick, shape (T,).
         holders: Index of the holder by tick as in a recording, shape (T,).
         ranks: Number of its free task coordinates by tick, shape (T,).
+        singular_values: Smallest singular values by tick, shape (T,).
     """
 
     name: str
@@ -76,6 +75,7 @@ class ControllerCourse(NamedTuple):
     shares: Floats
     holders: NDArray[np.int16]
     ranks: NDArray[np.int8]
+    singular_values: Floats
 
     def flag(self, name: str) -> Mask:
         """Return the ticks in which a fact of ``FLAGS`` holds, shape (T,)."""
@@ -119,17 +119,19 @@ class History:
 
     Attributes:
         recorded: Recording of the episode.
-        time: Time of each tick, s, shape (T,).
-        courses: ControllerCourse of each controller.
     """
 
     recorded: Recorded
-    time: Floats = field(init=False)
-    courses: tuple[ControllerCourse, ...] = field(init=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "time", self.recorded.arrays["time"])
-        object.__setattr__(self, "courses", tuple(_courses(self.recorded)))
+    @property
+    def time(self) -> Floats:
+        """Time of each tick, s, shape (T,)."""
+        return self.recorded.arrays["time"]
+
+    @cached_property
+    def courses(self) -> tuple[ControllerCourse, ...]:
+        """Course of each controller, in the order of the recording."""
+        return tuple(_courses(self.recorded))
 
     @property
     def summary(self) -> Mapping[str, Any]:
@@ -236,7 +238,7 @@ class History:
     def forces(self, hand: str) -> Floats:
         """Return the largest force of a hand's load cells by tick, N, shape (T,)."""
         cells = self.summary["load_cells"]
-        columns = [n for n, cell in enumerate(cells) if _name(cell).split(".")[0] == hand]
+        columns = [n for n, cell in enumerate(cells) if cell.split(".")[0] == hand]
         loads = self.recorded.arrays["loads"][..., :3]
         if not columns:
             return np.zeros(len(self.time))
@@ -285,9 +287,9 @@ class History:
     def _links(self) -> Sequence[Any]:
         return read_links(self.summary["robot"], self.summary["joints"], with_shapes=False)
 
-    def column(self, course: ControllerCourse) -> int:
-        """Return the column of a course in the arrays per controller."""
-        return self.recorded.controllers.index(course.name)
+    def unit(self, joint: int) -> str:
+        """Return the SI unit of a recorded joint's position by its column."""
+        return "m" if any(e.column == joint and e.motion == "slide" for e in self._links) else "rad"
 
     def holder(self, index: int) -> str:
         """Return the name of a holder by its recorded index; empty for none."""
@@ -301,32 +303,25 @@ def spans(mask: Mask) -> Iterator[tuple[int, int]]:
         yield int(first), int(behind) - 1
 
 
-def _name(cell: object) -> str:
-    return cell if isinstance(cell, str) else ".".join(map(str, cell))  # type: ignore[call-overload]
-
-
 def _courses(recorded: Recorded) -> Iterator[ControllerCourse]:
     summary, arrays = recorded.summary, recorded.arrays
     letters = np.array([list(each) for each in summary["predicates"]])
     shape = letters.shape
     errors = arrays.get("errors", np.full(shape, np.nan))
     bits = arrays.get("flags", np.zeros(shape)).astype(int)
+    keys = ("feedback", "reference", "base", "effector", "unit", "requires")
     for column, name in enumerate(recorded.controllers):
         triple = summary["triples"][name]
         yield ControllerCourse(
-            name,
-            summary.get("leads", {}).get(name, ""),
-            triple["feedback"],
-            triple["reference"],
-            triple.get("base", ""),
-            triple.get("effector", ""),
-            triple.get("unit", ""),
-            triple.get("requires", ""),
-            letters[:, column],
-            errors[:, column],
-            arrays["level_priority"][:, column] >= 0,
-            (bits[:, column, None] >> np.arange(len(FLAGS))) & 1 == 1,
-            arrays["level_share"][:, column],
-            arrays["level_held_by"][:, column],
-            arrays["level_rank"][:, column],
+            name=name,
+            member=summary.get("leads", {}).get(name, ""),
+            **{key: triple.get(key, "") for key in keys},
+            letters=letters[:, column],
+            errors=errors[:, column],
+            acts=arrays["level_priority"][:, column] >= 0,
+            flags=(bits[:, column, None] >> np.arange(len(FLAGS))) & 1 == 1,
+            shares=arrays["level_share"][:, column],
+            holders=arrays["level_held_by"][:, column],
+            ranks=arrays["level_rank"][:, column],
+            singular_values=arrays["level_singular_value"][:, column],
         )

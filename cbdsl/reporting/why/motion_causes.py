@@ -117,7 +117,7 @@ def _reason(
     if holder and share < _SMALL_SHARE:
         taken = f"which left it {100 * max(0.0, share):.0f} % of its motion"
         return "held", f": held by {holder}, {taken}"
-    smallest = float(np.nanmin(arrays["level_singular_value"][late, history.column(course)]))
+    smallest = float(np.nanmin(course.singular_values[late]))
     if share < _SMALL_SHARE and smallest < history.summary["robot"]["singular_value"]:
         return "stuck", f" close to a singularity: its smallest singular value was {smallest:.2g}"
     return "", ""

@@ -43,10 +43,11 @@ def _lagging(history: History) -> Iterator[FailureCause]:
         if ticks and late[ticks[0] :].mean() > _MOSTLY and late[-history.ticks(1.0) :].any():
             first = max(ticks[0] - _AGES + 1, 0)
             worst = float(lag[first:, joint].max())
+            behind = f"{worst:.2f} {history.unit(joint)} behind its reference"
             yield FailureCause(
                 "not_followed",
                 first,
-                f"joint {name} stayed {worst:.2f} rad or m behind its reference without a felt "
-                "contact: its drive failed, or something stopped it",
+                f"joint {name} stayed {behind} without a felt contact: its drive failed, or "
+                "something stopped it",
                 {"lag": worst},
             )

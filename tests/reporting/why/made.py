@@ -91,7 +91,6 @@ def made(result: dict[str, Any] | None = None, **changes: Any) -> History:
             "arm.position": {"type": "position", "place": True, "channels": []},
             "stereo.red": {"type": "position", "place": True, "channels": ["red"]},
         },
-        "scene": {},
         "robot": {
             "urdf": _ROBOT, "folder": ".", "couplings": {}, "singular_value": 0.04, "lead": 0.12,
             "cells": {"hand.thumb": "pad", "hand.finger": "nail"},
@@ -116,7 +115,6 @@ def made(result: dict[str, Any] | None = None, **changes: Any) -> History:
         "level_held_by": -ones.astype(int),
         "at_limits": np.zeros((TICKS, 2), dtype=bool),
         "guard_held": np.zeros((TICKS, 1), dtype=bool),
-        "scene": np.zeros((0, 0, 7)),
         "image_time": np.zeros(0),
         "signal_arm.position": np.zeros((TICKS, 3)),
         "signal_stereo.red": np.tile([0.8, 0.1, 0.0], (TICKS, 1)),
