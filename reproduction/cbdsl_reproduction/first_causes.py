@@ -354,8 +354,8 @@ def table(results: Sequence[CauseVerdict]) -> str:
     lines.append("| --- | --- | --- | --- | --- |")
     groups: dict[str, list[CauseVerdict]] = defaultdict(list)
     for result in results:
-        if result.failed:
-            groups[result.kind].append(result)
+        # An injection that made no episode fail has a row, too.
+        groups[result.kind] += [result] if result.failed else []
     for kind, group in groups.items():
         right = [each for each in group if each.named == kind]
         timed = [each for each in right if not np.isnan(each.late)]
@@ -369,14 +369,14 @@ def table(results: Sequence[CauseVerdict]) -> str:
         )
     for name, kinds in (
         ("all on the list", [kind for kind in groups if kind]),
-        ("published", PUBLISHED),
+        ("published", [kind for kind in PUBLISHED if kind in groups]),
     ):
-        own = [each for kind in kinds for each in groups.get(kind, ())]
+        own = [each for kind in kinds for each in groups[kind]]
         if own:
             hits = sum(each.named == each.kind for each in own)
             low, high = exact_interval(hits, len(own))
             share = f"{hits} of {len(own)} ({100 * low:.0f} to {100 * high:.0f} %)"
-            lines.append(f"| {name} | {len(own)} | {share} | | |")
+            lines.append(f"| {name}, {len(kinds)} kinds | {len(own)} | {share} | | |")
     return "\n".join(lines)
 
 

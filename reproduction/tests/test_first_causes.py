@@ -40,11 +40,14 @@ def test_table_counts_failed_episodes_by_kind() -> None:
             CauseVerdict("slip", "lost", True, 0.1, ""),
             CauseVerdict("slip", "", False, math.nan, ""),
             CauseVerdict("", "", True, math.nan, ""),
+            CauseVerdict("held", "", False, math.nan, ""),
         ]
     ).splitlines()
     assert rows[2] == "| slip | 2 | 1 of 2 | 1 of 1 | lost 1 |"
     assert rows[3].startswith("| not on the list | 1 | 1 of 1 |")
-    assert rows[4].startswith("| all on the list | 2 | 1 of 2 (1 to 99 %)")
+    assert rows[4] == "| held | 0 | 0 of 0 |  |  |"
+    assert rows[5].startswith("| all on the list, 2 kinds | 2 | 1 of 2 (1 to 99 %)")
+    assert rows[6].startswith("| published, 1 kinds | 2 | 1 of 2")
 
 
 def test_verdict_on_an_unseen_object_is_right() -> None:
