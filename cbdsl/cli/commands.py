@@ -19,7 +19,7 @@ SUMMARIES = {
     "validate": "Check documents without running them.",
     "list": "List the documents that commands find by name from this folder, with their paths.",
     "run": "Run a program on a robot and print each change of its state.",
-    "why": "Print the first cause of an episode that failed or was not rewarded.",
+    "why": "Print the first cause of an episode that did not succeed.",
     "compare": "Compare the success rates of two programs, policies or robots with the same seeds.",
     "explain": "Print the meaning of a diagnostic, its reason, and a wrong and a correct example.",
     "show": "Show types, potentials, resources, plug-ins, programs, meshes, and learned knowledge.",

@@ -1,4 +1,4 @@
-"""``cb why``: the first cause of an episode that failed or was not rewarded."""
+"""``cb why``: the first cause of an episode that did not succeed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def why(
     page: Page = None,
     open_: Open = True,
 ) -> None:
-    """Print the first cause of an episode that failed or was not rewarded.
+    """Print the first cause of an episode that did not succeed.
 
     The cause rests on the predicates, levels and signals of the recording; the truth of a
     simulation is not read. If no cause is known, the causes that are ruled out are printed.

@@ -45,7 +45,7 @@ class Diagnosis(NamedTuple):
     """First cause of an episode.
 
     Attributes:
-        failed: True if the episode failed or was not rewarded.
+        failed: True if the episode did not succeed.
         cause: The first cause; ``None`` if there is none, or none is known.
         others: Other causes in force at the end, by time.
         ruled_out: A clause for each family without a cause.
