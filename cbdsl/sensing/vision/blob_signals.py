@@ -27,7 +27,7 @@ from cbdsl.types.source_record import sources_of
 
 
 class Constellation(NamedTuple):
-    """Relative scales of two blobs, and their relative orientation.
+    """Relative scales of two blobs, and their relative orientation (Section 7.3.1, Fig 7.15).
 
     Their relative position is not included, as in the dissertation.
 
