@@ -29,6 +29,7 @@ _BACKEND = "backends/test_backend_calls.py:"
 _SOURCE = "scaffold/test_model_source.py:"
 _SIZES = "test_reader_sizes.py:"
 _SERVER = "reporting/live/test_page_server.py:"
+_WATCHDOG = "backends/drivers/test_watchdog.py:"
 _WORKERS = "training/workers/test_local_workers.py:"
 _BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
 _HERE = "test_security.py:"
@@ -211,6 +212,13 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "With `stop_repeats: false` it is unnoticed for up to 20 s, and pressing it has no effect.": (
         "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
+    ),
+    "A watchdog waits after references that stand, and takes further ones within `start` of the"
+    " robot from any program.": (
+        f"{_WATCHDOG}test_watchdog_waits_after_references_that_stand",
+        f"{_WATCHDOG}test_watchdog_begins_at_a_robot_that_was_moved_while_it_waited",
+        f"{_WATCHDOG}test_watchdog_refuses_a_first_reference_far_from_the_robot",
+        f"{_WATCHDOG}test_watchdog_stops_a_program_that_resumes_and_ends_in_motion",
     ),
     "`halt` is called whenever an episode cannot begin or go on.": (
         f"{_BACKEND}test_backend_that_raises_is_halted_and_named",

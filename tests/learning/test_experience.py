@@ -27,7 +27,13 @@ ACTION = (
     ' "ending": "Rewarded after 1.2 s.", "failed": false, "sim_seconds": 1.25}'
 )
 #: Fields that later versions add to a row, with the values of a row that lacks them.
-LATER: dict[str, object] = {"allocation": "", "features": {}, "use": "", "wall_seconds": 0.0}
+LATER: dict[str, object] = {
+    "allocation": "",
+    "features": {},
+    "reason": "",
+    "use": "",
+    "wall_seconds": 0.0,
+}
 
 
 @pytest.mark.parametrize(("form", "line"), [(EPISODES, EPISODE), (ACTIONS, ACTION)])
