@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from cbdsl.control.law_arrays import LawArrays
+from cbdsl.control.law_arrays import LawArrays, bound_reference
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.levels_above import compose_below
 from cbdsl.kinematics.link_distance import DistanceArrays, measure, write_slope
@@ -151,6 +151,7 @@ def hold_back(
     references: Floats,
     columns: Integers,
     parting: Floats,
+    law: LawArrays,
 ) -> None:
     """Shorten the motion of references if it would bring links too near each other.
 
@@ -159,7 +160,9 @@ def hold_back(
         before: References before the tick, rad, shape (all,).
         references: References after it; move back as far as they have to.
         columns: Joint index of each of the levels' n joints, shape (n,).
-        parting: Part of the motion that brings links out of each other's way, rad, shape (n,).
+        parting: Part of the motion that brings links out of each other's way, rad, shape (n,). It
+            is long where joints hardly change a distance.
+        law: Bounds of the references.
     """
     pairs, steps = distances.pairs, np.empty(len(columns))
     for place in range(len(columns)):
@@ -174,5 +177,7 @@ def hold_back(
             return
         share = 0.5 ** (half + 1) if half + 1 < _HALVES else 0.0
         for place in range(len(columns)):
-            step = parting[place] + share * (steps[place] - parting[place])
-            references[columns[place]] = before[columns[place]] + (step if half < _HALVES else 0.0)
+            last, step = before[columns[place]], 0.0
+            if half < _HALVES:
+                step = parting[place] + share * (steps[place] - parting[place])
+            references[columns[place]] = bound_reference(place, last, last + step, law)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.compiled import compiled
 
 
 class LawArrays(NamedTuple):
@@ -30,3 +31,20 @@ class LawArrays(NamedTuple):
     displacement: Floats
     locked: NDArray[np.bool_]
     singular_values: Floats
+
+
+@compiled
+def bound_reference(place: int, before: float, after: float, law: LawArrays) -> float:
+    """Return a joint's next reference, rad, within its limits and its largest step.
+
+    A joint that is past one of its limits comes back at the law's pace.
+
+    Args:
+        place: Number of the joint among the law's n joints.
+        before: Reference before the tick, rad.
+        after: Requested reference, rad.
+        law: Bounds.
+    """
+    limits, step = law.limits, law.steps[place]
+    after = min(max(after, min(limits[0, place], before)), max(limits[1, place], before))
+    return min(max(after, before - step), before + step)

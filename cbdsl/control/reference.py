@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.control.composition import compose
 from cbdsl.control.distance_guard import hold_back, keep_apart
-from cbdsl.control.law_arrays import LawArrays
+from cbdsl.control.law_arrays import LawArrays, bound_reference
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.load_guard import give_way
 from cbdsl.kinematics.link_distance import DistanceArrays
@@ -64,7 +64,7 @@ def move(
     parting = keep_apart(distances, references, here, joints, above, levels, law)
     before = references.copy()
     _advance(references, joints, here, law)
-    hold_back(distances, before, references, joints, parting)
+    hold_back(distances, before, references, joints, parting, law)
     return ADVANCED
 
 
@@ -74,14 +74,11 @@ def _advance(references: Floats, joints: Integers, here: Floats, law: LawArrays)
 
     References keep within the lead of the positions ``here`` (n,) and within the limits, as far as
     the largest steps allow. A reference thus never jumps, even if a sensor does. Without the lead,
-    the reference of a blocked joint would run away. A joint that is past one of its limits comes
-    back at the law's pace.
+    the reference of a blocked joint would run away.
     """
-    limits, steps, lead = law.limits, law.steps, law.guards[2]
+    lead = law.guards[2]
     for place in range(len(joints)):
         before = references[joints[place]]
         after = before + law.displacement[place]
         after = min(max(after, here[place] - lead), here[place] + lead)
-        after = min(max(after, min(limits[0, place], before)), max(limits[1, place], before))
-        after = min(max(after, before - steps[place]), before + steps[place])
-        references[joints[place]] = after
+        references[joints[place]] = bound_reference(place, before, after, law)
