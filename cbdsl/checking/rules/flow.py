@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.language.exit import LETTERS, OF_KIND
@@ -181,7 +179,7 @@ class _FlowCheck:
             if box is None or not programs.isdisjoint(step.members):
                 continue
             # Only one target for all values of its conditions is certain.
-            tos = {step.decide(letters).step for letters in itertools.product(*box)}
+            tos = {to.step for to, _ in step._replace(values=box).targets}
             idle[name] = tos.pop() if len(tos) == 1 else name
         for name in list(idle):
             cycle = [name]

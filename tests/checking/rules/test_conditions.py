@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.rules.flow import automaton_of
 from cbdsl.diagnostics.errors import DiagnosticsError
@@ -79,3 +80,28 @@ def test_program_without_steps_has_each_condition_as_a_letter(tmp_path: Path) ->
     program = check_program(written(tmp_path, "right_arm.position.z > $least", LEARNED))
     assert program.members == ("rise", "high")
     assert program.actions[0].conditions == ("high",)
+
+
+@pytest.mark.parametrize(
+    ("exits", "is_certain"),
+    [
+        ("[first undefined: second, near: end]", True),
+        ("[near: end, first undefined: second]", False),
+    ],
+)
+def test_cycle_of_undefined_steps_is_certain_for_all_values_of_conditions(
+    tmp_path: Path, exits: str, is_certain: bool
+) -> None:
+    track = (
+        "{potential: spring, reference: [0 deg, 0 deg], feedback: cyclopean.red, effector: head}"
+    )
+    path = tmp_path / "look.yaml"
+    path.write_text(
+        "cbdsl: 1\nkind: program\nname: look\nrobot: dexter\n"
+        f"controllers: {{first: {track}, second: {track}}}\n"
+        "conditions: {near: stereo.red.x < 60 cm}\n"
+        f"steps:\n  first: {{exits: {exits}}}\n  second: {{then: end, failed: first}}\n",
+        encoding="utf-8",
+    )
+    codes = [each.code for each in check_document(path)]
+    assert ("CB727" in codes) == is_certain and set(codes) <= {"CB727"}
