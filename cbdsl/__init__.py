@@ -1,7 +1,7 @@
 """Robot behaviour that is declared, type-checked, run and learned: verbs for Python.
 
 The verbs are ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``,
-``explore_pairs``, ``calibrate`` and ``propose_robot``. Judges use ``evaluate`` and ``simulate``.
+``explore_pairs`` and ``propose_robot``. Judges use ``evaluate`` and ``simulate``.
 They are imported when they are first used, so that ``import cbdsl`` costs nothing.
 """
 
@@ -11,7 +11,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.api.calibrate import CalibrationOutcome, calibrate
     from cbdsl.api.check import check
     from cbdsl.api.evaluate import SuccessRate, evaluate
     from cbdsl.api.explore import (
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import OpenRobot, open_robot
     from cbdsl.api.propose_robot import RobotProposal, propose_robot
-    from cbdsl.api.requests.calibrate_request import CalibrateRequest
     from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
     from cbdsl.api.requests.explore_request import ExploreRequest
     from cbdsl.api.requests.learn_request import LearnRequest
@@ -47,12 +45,9 @@ _HOMES = {
     "learn_trials": "cbdsl.api.learn",
     "explore": "cbdsl.api.explore",
     "explore_pairs": "cbdsl.api.explore",
-    "calibrate": "cbdsl.api.calibrate",
     "evaluate": "cbdsl.api.evaluate",
     "simulate": "cbdsl.api.simulate",
     "propose_robot": "cbdsl.api.propose_robot",
-    "CalibrateRequest": "cbdsl.api.requests.calibrate_request",
-    "CalibrationOutcome": "cbdsl.api.calibrate",
     "Diagnostic": "cbdsl.diagnostics.diagnostic",
     "DiagnosticsError": "cbdsl.diagnostics.errors",
     "EpisodeResult": "cbdsl.runtime.episode_result",
@@ -74,7 +69,7 @@ _HOMES = {
 
 __all__ = [  # noqa: RUF022 (verbs before nouns)
     "check", "load", "run", "open_robot", "learn", "learn_trials", "explore", "explore_pairs",
-    "calibrate", "evaluate", "simulate", "propose_robot", "CalibrateRequest", "CalibrationOutcome",
+    "evaluate", "simulate", "propose_robot",
     "Diagnostic", "DiagnosticsError", "EpisodeResult", "ExplorationOutcome", "ExplorePairsRequest",
     "ExploreRequest", "LearnRequest", "LearningOutcome", "OpenRobot", "PairExplorationOutcome",
     "RobotProposal", "RunRequest", "SimulatedRobot", "SuccessRate", "Transition", "Truth",
@@ -84,6 +79,9 @@ __all__ = [  # noqa: RUF022 (verbs before nouns)
 
 def __getattr__(name: str) -> object:
     """Import a public name when it is first used."""
+    if name == "calibrate":
+        advice = "cbdsl_calibration.calibrate; try: pip install 'cbdsl[calibration]'"
+        raise AttributeError(f"cbdsl.calibrate is {advice}")
     if name not in _HOMES:
         raise AttributeError(f"module 'cbdsl' has no attribute '{name}'")
     value: object = getattr(import_module(_HOMES[name]), name)

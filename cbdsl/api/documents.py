@@ -5,6 +5,11 @@
 
 from __future__ import annotations
 
+from cbdsl.documents.calibration import (
+    CalibratedCamera,
+    CalibrationDocument,
+    CalibrationOrigin,
+)
 from cbdsl.documents.catalog import CatalogDocument, StepColumns
 from cbdsl.documents.document_digest import digest
 from cbdsl.documents.form import BoxForm
@@ -12,7 +17,7 @@ from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
 from cbdsl.documents.policy import PolicyDocument, Provenance
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import Camera, Correction, RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.storage.atomic_file import make_room, write_text
@@ -21,7 +26,12 @@ from cbdsl.yaml_text.writer import write
 
 __all__ = [
     "BoxForm",
+    "CalibratedCamera",
+    "CalibrationDocument",
+    "CalibrationOrigin",
+    "Camera",
     "CatalogDocument",
+    "Correction",
     "Gaussian",
     "Kernel",
     "MetaCatalogDocument",

@@ -29,7 +29,6 @@ SUMMARIES = {
     "learn": "Learn the values of a program's actions from scratch, by discovering affordances.",
     "explore": "Explore the affordances of an object until its models have habituated (Chapter 6).",
     "report": "Write a self-contained page of learned documents.",
-    "calibrate": "Estimate the positions of a robot's cameras from views of a ball in its hand.",
     "playground": "Show a page on which a program is edited, checked, drawn and run, until Ctrl-C.",
     "lsp": "Serve an editor over the standard streams: diagnostics while typing, completion, "
     "hover.",
@@ -52,6 +51,7 @@ _MODULES = {
 _PROVIDERS = {
     "reproduce": "cbdsl-reproduction",
     "judge": "cbdsl-reproduction",
+    "calibrate": "cbdsl[calibration]",
     "drive.serve": "cbdsl[ros2]",
     "drive.watchdog": "cbdsl[ros2]",
     "export.tree": "cbdsl[trees]",

@@ -3,8 +3,11 @@
 An entry is a function with Typer's annotations, or a ``typer.Typer``; its docstring is its help. An
 entry ``drive.NAME`` or ``export.NAME`` adds a command to ``cb drive`` or ``cb export``.
 ``UsageError`` ends a command with its message and exit code 2, ``DiagnosticsError`` with its
-diagnostics and exit code 1. The names below are common options, progress and output. The contract
-test is ``cbdsl.extend.contract.test_command``.
+diagnostics and exit code 1. The names below are common options, progress, output and journals.
+
+``declaration`` and ``verb`` derive a verb's signature and docstring from a class of its inputs;
+``grouped`` derives the options of its command, ``call_text`` and ``command_text`` the texts that
+repeat it. The contract test is ``cbdsl.extend.contract.test_command``.
 """
 
 from __future__ import annotations
@@ -14,27 +17,42 @@ from typing import TYPE_CHECKING
 from cbdsl.extend.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from cbdsl.api.requests.run_request import read_program
+    from cbdsl.api.requests.declaration import (
+        BACKEND,
+        CAMERAS,
+        SEED,
+        call_text,
+        declaration,
+        engine_of,
+        given,
+        verb,
+    )
+    from cbdsl.api.requests.run_request import read_program, read_request
     from cbdsl.backends.quiet import quiet_stderr
     from cbdsl.cli.arguments.assignments import read_assignments
+    from cbdsl.cli.arguments.command_text import command_text
+    from cbdsl.cli.arguments.option_groups import grouped
     from cbdsl.cli.arguments.options import Cameras, Json, Policy, Program, Rate, With
     from cbdsl.cli.arguments.workers import require_workers
     from cbdsl.cli.episodes.attendance import Interface
-    from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
+    from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
     from cbdsl.cli.output.compilation import told_of_compilation
     from cbdsl.cli.output.progress import Progress
-    from cbdsl.cli.output.terminal import print_json, print_problem, print_table
+    from cbdsl.cli.output.terminal import print_json, print_line, print_problem, print_table
     from cbdsl.cli.process.native_output import shown_on_failure
     from cbdsl.cli.process.termination import stop_requests, termination_interrupts
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.diagnostics.reason import reason
+    from cbdsl.storage.journal import Journal, RowForm
 
 __all__ = [
-    "BackendName", "Cameras", "DiagnosticsError", "Interface", "Json", "Policy", "Program",
-    "Progress", "Rate", "UsageError", "With", "needing_simulation", "print_json", "print_problem",
-    "print_table", "quiet_stderr", "read_assignments", "read_program", "reason",
-    "require_workers", "shown_on_failure", "stop_requests", "termination_interrupts",
-    "told_of_compilation",
+    "BACKEND", "CAMERAS", "SEED", "BackendName", "Cameras", "DiagnosticsError", "Interface",
+    "Journal", "Json", "Policy", "Program", "Progress", "Rate", "RowForm", "UsageError",
+    "With", "call_text", "command_text", "declaration", "engine_of", "given", "grouped",
+    "needing_simulation", "print_json", "print_line", "print_problem", "print_table",
+    "quiet_stderr", "read_assignments", "read_program", "read_request", "reason",
+    "require_workers", "shown_on_failure", "simulation", "stop_requests",
+    "termination_interrupts", "told_of_compilation", "verb",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cbdsl.diagnostics.diagnostics import Diagnostics
     from cbdsl.diagnostics.entry import Entry
     from cbdsl.diagnostics.outcome import Unknown
-    from cbdsl.documents.document import Document, Duration, Name, Section, quantity
+    from cbdsl.documents.document import NAME_PATTERN, Document, Duration, Name, Section, quantity
     from cbdsl.documents.kind import Kind
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.robot import RobotDocument
@@ -26,8 +26,21 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.loaded import Loaded
 
 __all__ = [
-    "Diagnostics", "Document", "Duration", "Entry", "Kind", "Loaded", "Name", "ProgramDocument",
-    "RobotDocument", "Section", "Session", "StageDocument", "Unknown", "find_document",
+    "NAME_PATTERN",
+    "Diagnostics",
+    "Document",
+    "Duration",
+    "Entry",
+    "Kind",
+    "Loaded",
+    "Name",
+    "ProgramDocument",
+    "RobotDocument",
+    "Section",
+    "Session",
+    "StageDocument",
+    "Unknown",
+    "find_document",
     "quantity",
 ]  # fmt: skip
 

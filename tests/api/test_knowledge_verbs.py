@@ -1,4 +1,4 @@
-"""Verbs that learn, explore, calibrate and judge, through the public names alone."""
+"""Verbs that learn, explore and judge, through the public names alone."""
 
 from __future__ import annotations
 
@@ -229,25 +229,6 @@ def test_truth_of_the_kinematic_engine_refuses_questions_about_contacts() -> Non
         next(simulation.robot.ticks(SEED))
         with pytest.raises(cbdsl.UsageError, match="use bullet or mujoco"):
             simulation.truth.pressing(simulation.truth.objects[0])
-
-
-@pytest.mark.slow
-def test_calibrate_writes_a_calibration_that_load_takes(here: Path) -> None:
-    counts = []
-    outcome = cbdsl.calibrate(
-        "dexter", out="eyes.yaml", body=3, seed=1,
-        backend="kinematic", cameras="ideal", on_progress=lambda *count: counts.append(count),
-    )  # fmt: skip
-    assert outcome.calibration.exists() and outcome.picture.exists() and counts
-    assert outcome.document.origin is not None
-    assert outcome.document.origin.command.startswith("cbdsl.calibrate('dexter', out='eyes.yaml'")
-    assert all(each.error_after <= each.error_before for each in outcome.document.cameras.values())
-
-
-def test_calibrate_rejects_a_file_that_is_no_document(here: Path) -> None:
-    with pytest.raises(cbdsl.UsageError, match="a calibration is <name>"):
-        cbdsl.calibrate("dexter", out="eyes.txt", backend="kinematic")
-    assert not list(here.iterdir())
 
 
 def test_propose_robot_writes_a_document_that_check_reads(here: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 import typer
 
 import cbdsl
+import cbdsl_calibration
 from cbdsl.api.requests.explored_actions import read_action
 from cbdsl.cli.main import build_app
 
@@ -24,7 +25,13 @@ REQUESTS: dict[str, Any] = {
     "learn": cbdsl.LearnRequest,
     "explore": cbdsl.ExploreRequest,
     "explore_pairs": cbdsl.ExplorePairsRequest,
-    "calibrate": cbdsl.CalibrateRequest,
+    "calibrate": cbdsl_calibration.CalibrateRequest,
+}
+FUNCTIONS: dict[str, Any] = {
+    "learn": cbdsl.learn,
+    "explore": cbdsl.explore,
+    "explore_pairs": cbdsl.explore_pairs,
+    "calibrate": cbdsl_calibration.calibrate,
 }
 #: Inputs that only Python has, or that the command sets.
 NOT_OF_COMMANDS = {"number", "folder", "command", "on_episode", "on_action", "on_progress"}
@@ -40,7 +47,7 @@ def _default(field: Field[Any]) -> object:
 @VERBS
 def test_parameters_of_a_verb_are_the_fields_of_its_request(verb: str) -> None:
     fields = REQUESTS[verb].__dataclass_fields__
-    parameters = inspect.signature(getattr(cbdsl, verb)).parameters
+    parameters = inspect.signature(FUNCTIONS[verb]).parameters
     assert [*parameters] == [*fields]
     for name, parameter in parameters.items():
         required = fields[name].default is fields[name].default_factory is MISSING
@@ -50,8 +57,8 @@ def test_parameters_of_a_verb_are_the_fields_of_its_request(verb: str) -> None:
 
 @VERBS
 def test_docstring_of_a_verb_describes_each_parameter(verb: str) -> None:
-    text = inspect.getdoc(getattr(cbdsl, verb)) or ""
-    for name in inspect.signature(getattr(cbdsl, verb)).parameters:
+    text = inspect.getdoc(FUNCTIONS[verb]) or ""
+    for name in inspect.signature(FUNCTIONS[verb]).parameters:
         assert f"\n    {name}: " in text, name
 
 

@@ -125,7 +125,7 @@ def call_text(name: str, request: Any, **texts: str) -> str:
     """Return the call of a verb that repeats a request, for the provenance of documents.
 
     Args:
-        name: Name of the verb.
+        name: Name of the verb, with its module.
         request: Request.
         texts: Texts of the inputs that are written otherwise.
     """
@@ -141,4 +141,4 @@ def call_text(name: str, request: Any, **texts: str) -> str:
             continue
         text = texts.get(each.name) or repr(dict(value) if isinstance(value, Mapping) else value)
         words.append(f"{each.name}={text}" if each.kw_only else text)
-    return f"cbdsl.{name}({', '.join(words)})"
+    return f"{name}({', '.join(words)})"

@@ -142,4 +142,4 @@ class ExplorePairsRequest:
     def _call(self) -> str:
         """Return the call in Python that repeats the exploration."""
         texts = {"stage": repr(str(self.stage)), "out": repr(Path(self.out).name)}
-        return call_text("explore_pairs", self, **texts)
+        return call_text("cbdsl.explore_pairs", self, **texts)

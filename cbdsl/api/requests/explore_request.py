@@ -159,7 +159,7 @@ class ExploreRequest:
             for each in self.programs
         )
         texts = {"programs": f"[{', '.join(programs)}]", "stage": repr(str(self.stage))}
-        return call_text("explore", self, **texts, out=repr(Path(self.out).name))
+        return call_text("cbdsl.explore", self, **texts, out=repr(Path(self.out).name))
 
 
 def require_persistent(stage: StageDocument) -> None:

@@ -302,4 +302,4 @@ class LearnRequest:
     def _call(self) -> str:
         """Return the call in Python that repeats the learning."""
         loaded = load_text(self.run, self.run.program.parameters)
-        return call_text("learn", self, program=loaded, out=repr(self.path.name))
+        return call_text("cbdsl.learn", self, program=loaded, out=repr(self.path.name))

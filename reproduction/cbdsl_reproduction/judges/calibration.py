@@ -46,10 +46,12 @@ def request_of(body: int, backend: str, *, is_calibrated: bool) -> Request | str
     """Return the program on a body, or the reason why the body cannot be calibrated."""
     if not is_calibrated:
         return cbdsl.load(_PROGRAM, stage=_STAGE, body=body)
+    from cbdsl_calibration import calibrate
+
     with TemporaryDirectory() as folder:
         out = Path(folder) / "eyes.yaml"
         try:
-            cbdsl.calibrate("dexter", out=out, body=body, seed=body, backend=backend)
+            calibrate("dexter", out=out, body=body, seed=body, backend=backend)
         except cbdsl.UsageError as error:
             return str(error)
         return cbdsl.load(_PROGRAM, stage=_STAGE, body=body, calibration=out)

@@ -6,17 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cbdsl.backends.backend import Backend
-from cbdsl.calibration.estimate import CalibrationError
-from cbdsl.calibration.hand_view import FINGERS, HandView, ViewRecorder
-from cbdsl.calibration.hand_views import HandViews
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import Runner
-from cbdsl.runtime.episode_observer import EpisodeListeners
-from cbdsl.storage.journal import Journal
+from cbdsl.api.program import CheckedProgram
+from cbdsl.api.sensing import EpisodeListeners, Runner
+from cbdsl.extend.backend import Backend, Kinematics, RobotDocument, StageDocument
+from cbdsl.extend.command import Journal
+from cbdsl_calibration.estimate import CalibrationError
+from cbdsl_calibration.hand_view import FINGERS, HandView, ViewRecorder
+from cbdsl_calibration.hand_views import HandViews
 
 
 def require_sight_and_touch(robot: RobotDocument) -> None:

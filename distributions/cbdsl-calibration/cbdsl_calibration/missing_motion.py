@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from cbdsl.calibration.hand_view import HandView
+from cbdsl_calibration.hand_view import HandView
 
 # Measures of good views: ratio of the farthest to the nearest distance, standard deviation of
 # image points, px, and standard deviation of the hand's directions before the camera.

@@ -1,4 +1,4 @@
-"""``cbdsl.calibrate``: the poses of a robot's cameras, from a ball in its hand."""
+"""``cbdsl_calibration.calibrate``: the poses of a robot's cameras, from a ball in its hand."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.api.requests.calibrate_request import CalibrateRequest
-from cbdsl.api.requests.declaration import verb
+from cbdsl.extend.command import verb
+from cbdsl_calibration.calibrate_request import CalibrateRequest
 
 if TYPE_CHECKING:
-    from cbdsl.documents.calibration import CalibrationDocument
+    from cbdsl.api.documents import CalibrationDocument
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def calibrate(request: CalibrateRequest) -> CalibrationOutcome:
         UsageError: An item is missing, not installed or unsuitable, or the views do not suffice.
         OSError: A file cannot be written.
     """
-    from cbdsl.api.open_robot import open_robot
+    from cbdsl import open_robot
 
     made = request.calibration()
     with (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.calibration.ball import centre, hidden, image, plane_of
 from cbdsl.documents.robot import Camera
+from cbdsl_calibration.ball import centre, hidden, image, plane_of
 
 EYE = Camera(link="eye", width=320, height=240, focal_length=400.0)
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import embody
-from cbdsl.calibration.hand_view import HandView
-from cbdsl.calibration.hand_views import HAND_VIEWS, HandViews
-from cbdsl.calibration.watching import watch
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.storage.journal import Journal, JournalError
 from cbdsl.yaml_text.library import Library
+from cbdsl_calibration.hand_view import HandView
+from cbdsl_calibration.hand_views import HAND_VIEWS, HandViews
+from cbdsl_calibration.watching import watch
 from tests.conftest import Checked
 
 IDENTITY = {"command": "cb calibrate dexter", "robot": {"name": "dexter", "sha256": "1"}}

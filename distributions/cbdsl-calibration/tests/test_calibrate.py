@@ -1,4 +1,4 @@
-"""Commands that make and use calibrations, and the input that they refuse."""
+"""``cb calibrate`` and ``cbdsl_calibration.calibrate``, and the input that they refuse."""
 
 from __future__ import annotations
 
@@ -11,83 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.api.reading.calibration import read_calibration
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.backends.cameras.camera_system import camera_errors
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument, CalibrationOrigin
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.calibration import CalibrationDocument
 from cbdsl.kinematics.forward import rotation_of
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.writer import write
+from cbdsl_calibration import calibrate
+from tests.api.test_calibration import made
 from tests.cli.test_main import cb
-
-
-def made(folder: Path, robot: str = "dexter", body: int | None = 3) -> Path:
-    """Write a calibration file and return its path."""
-    camera = CalibratedCamera(
-        position=(0.001, 0.0, 0.0),
-        rotation=(0.0, 0.0, 0.01),
-        position_deviation=0.001,
-        rotation_deviation=0.001,
-        views=40,
-        error_before=3.0,
-        error_after=0.2,
-    )
-    origin = CalibrationOrigin(
-        command="cb calibrate dexter", program="show_ball", stage="ball_in_hand", seed=0,
-        body=body, backend="bullet",
-    )  # fmt: skip
-    document = CalibrationDocument(
-        cbdsl=1, name="mine", kind="calibration", robot=robot, cameras={"left": camera},
-        origin=origin,
-    )  # fmt: skip
-    file = folder / "mine.yaml"
-    write(document, file)
-    return file
-
-
-def test_calibration_corrects_only_its_own_cameras(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    file = made(tmp_path)
-    assert cb(monkeypatch, "validate", str(file)) == 0
-    request = read_request("reachtouch", "noisy_right", None, {}, calibration=str(file), body=3)
-    correction = request.robot.cameras["left"].correction
-    assert correction is not None and correction.rotation == (0.0, 0.0, 0.01)
-    assert request.robot.cameras["right"].correction is None
-    assert request.stage.disturbance.body == 3
-
-
-def test_a_robots_own_calibration_is_used(dexter: RobotDocument, tmp_path: Path) -> None:
-    file = made(tmp_path)
-    own = dexter.model_copy(update={"calibration": str(file)})
-    found = read_calibration(None, own, file, Library())
-    assert found is not None and found.name == "mine"
-    assert read_calibration(None, dexter, file, Library()) is None
-
-
-@pytest.mark.parametrize(
-    ("stage", "body", "told"),
-    [
-        ("noisy_right", None, "other cameras in each episode.*body 3"),
-        ("noisy_right", 4, "made with body 3, and this is body 4"),
-        ("table_right", 3, "body 3: bodies differ"),
-    ],
-)
-def test_calibrations_of_other_bodies_are_refused(
-    stage: str, body: int | None, told: str, tmp_path: Path
-) -> None:
-    with pytest.raises(UsageError, match=told):
-        read_request("reachtouch", stage, None, {}, calibration=str(made(tmp_path)), body=body)
-
-
-def test_a_calibration_of_another_robot_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = made(tmp_path, robot="desk")
-    assert cb(monkeypatch, "run", "reachtouch", "--calibration", str(file)) == 1
-    assert "CB375 robot 'desk' has no camera 'left'" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -172,3 +104,30 @@ def test_a_killed_calibration_goes_on(tmp_path: Path) -> None:
 
 def _lines(journal: Path) -> int:
     return journal.read_bytes().count(b"\n") if journal.exists() else 0
+
+
+@pytest.mark.slow
+def test_calibrate_writes_a_calibration_that_load_takes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    counts = []
+    outcome = calibrate(
+        "dexter", out="eyes.yaml", body=3, seed=1,
+        backend="kinematic", cameras="ideal", on_progress=lambda *count: counts.append(count),
+    )  # fmt: skip
+    assert outcome.calibration.exists() and outcome.picture.exists() and counts
+    assert outcome.document.origin is not None
+    assert outcome.document.origin.command.startswith(
+        "cbdsl_calibration.calibrate('dexter', out='eyes.yaml'"
+    )
+    assert all(each.error_after <= each.error_before for each in outcome.document.cameras.values())
+
+
+def test_calibrate_rejects_a_file_that_is_no_document(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match="a calibration is <name>"):
+        calibrate("dexter", out="eyes.txt", backend="kinematic")
+    assert not list(tmp_path.iterdir())

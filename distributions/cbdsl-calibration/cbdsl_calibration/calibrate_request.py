@@ -1,4 +1,4 @@
-"""Request to calibrate: one object for ``cb calibrate`` and ``cbdsl.calibrate``."""
+"""Request to calibrate: one object for ``cb calibrate`` and ``cbdsl_calibration.calibrate``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cbdsl.api.requests.declaration import (
+from cbdsl.extend.command import (
     BACKEND,
     CAMERAS,
     SEED,
@@ -19,13 +19,12 @@ from cbdsl.api.requests.declaration import (
 )
 
 if TYPE_CHECKING:
-    from cbdsl.api.requests.run_request import RunRequest
-    from cbdsl.backends.backend import Backend
-    from cbdsl.calibration.estimate import Estimate
-    from cbdsl.calibration.hand_views import HandViews
-    from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
-    from cbdsl.kinematics.kinematics import Kinematics
-    from cbdsl.storage.journal import Journal
+    from cbdsl import RunRequest
+    from cbdsl.api.documents import CalibrationDocument, CalibrationOrigin
+    from cbdsl.extend.backend import Backend, Kinematics
+    from cbdsl.extend.command import Journal
+    from cbdsl_calibration.estimate import Estimate
+    from cbdsl_calibration.hand_views import HandViews
 
 
 @declaration
@@ -79,9 +78,8 @@ class CalibrateRequest:
             DiagnosticsError: A document has errors.
             UsageError: An item is unknown or unsuitable, or the file cannot be written.
         """
-        from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.documents.calibration import CalibrationOrigin
-        from cbdsl.storage.atomic_file import make_room
+        from cbdsl.api.documents import CalibrationOrigin, make_room
+        from cbdsl.extend.backend import UsageError
 
         run = self._run()
         target = Path(self.out or f"knowledge/calibrations/{run.robot.name}.yaml")
@@ -106,14 +104,11 @@ class CalibrateRequest:
 
     def _run(self) -> RunRequest:
         """Return the request of the program that shows the ball, for an uncalibrated robot."""
-        from cbdsl.api.requests.run_request import read_request
-        from cbdsl.calibration.watching import require_sight_and_touch
-        from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.documents.robot import RobotDocument
-        from cbdsl.yaml_text.library import Library
+        from cbdsl.extend.backend import UsageError, read_robot
+        from cbdsl.extend.command import read_request
+        from cbdsl_calibration.watching import require_sight_and_touch
 
-        library = Library()
-        robot = library.read(library.locate(RobotDocument, str(self.robot)), RobotDocument).document
+        robot, _ = read_robot(self.robot)
         require_sight_and_touch(robot)
         # The errors to estimate are relative to the poses of the model. A calibration that the
         # robot already has would hide them.
@@ -140,7 +135,7 @@ class CalibrateRequest:
 
     def _call(self, robot: str, out: str) -> str:
         """Return the call in Python that repeats the calibration."""
-        return call_text("calibrate", self, robot=repr(robot), out=repr(out))
+        return call_text("cbdsl_calibration.calibrate", self, robot=repr(robot), out=repr(out))
 
 
 @dataclass(frozen=True)
@@ -166,8 +161,8 @@ class CameraCalibration:
 
     def open_journal(self) -> Journal[HandViews]:
         """Open the journal of the observations, with those of an interrupted run."""
-        from cbdsl.calibration.hand_views import HAND_VIEWS
-        from cbdsl.storage.journal import Journal
+        from cbdsl.extend.command import Journal
+        from cbdsl_calibration.hand_views import HAND_VIEWS
 
         return Journal(self.journal, self._identity(), HAND_VIEWS)
 
@@ -192,9 +187,9 @@ class CameraCalibration:
         Raises:
             UsageError: The observations do not determine the cameras.
         """
-        from cbdsl.calibration.estimate import estimate
-        from cbdsl.calibration.watching import watch
-        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.extend.backend import UsageError
+        from cbdsl_calibration.estimate import estimate
+        from cbdsl_calibration.watching import watch
 
         run, seed = self.run, self.origin.seed
         views = watch(
@@ -208,9 +203,8 @@ class CameraCalibration:
 
     def write(self, estimates: Mapping[str, Estimate]) -> CalibrationDocument:
         """Write the calibration and its picture, remove the journal, and return the document."""
-        from cbdsl.reporting.calibration_svg import CalibrationPanel, calibration_svg
-        from cbdsl.storage.atomic_file import write_text
-        from cbdsl.yaml_text.writer import write
+        from cbdsl.api.documents import write, write_text
+        from cbdsl_calibration.calibration_svg import CalibrationPanel, calibration_svg
 
         document, robot = self._document(estimates), self.run.robot
         panels = []
@@ -232,20 +226,18 @@ class CameraCalibration:
 
     def _identity(self) -> dict[str, Any]:
         """Return all data on which the views depend."""
-        from cbdsl.checking.knowledge.program_digest import program_digest
-        from cbdsl.documents.document_digest import digest
+        from cbdsl.api.documents import digest
 
         run = self.run
-        program = program_digest(run.program_file, run.library).sha256
         return {
             "command": self.origin.command,
             "robot": {"name": run.robot.name, "sha256": digest(run.robot)},
-            "program": {"name": run.program.name, "sha256": program},
+            "program": {"name": run.program.name, "sha256": run.digest.sha256},
             "stage": {"name": run.stage.name, "sha256": digest(run.stage)},
         }
 
     def _document(self, estimates: Mapping[str, Estimate]) -> CalibrationDocument:
-        from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument
+        from cbdsl.api.documents import CalibratedCamera, CalibrationDocument
 
         cameras, name = {}, self.run.robot.name
         for camera, each in estimates.items():
@@ -272,8 +264,8 @@ class CameraCalibration:
 
 
 def _require_name(out: Path) -> None:
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.document import NAME_PATTERN
+    from cbdsl.extend.backend import UsageError
+    from cbdsl.extend.document import NAME_PATTERN
 
     if out.suffix != ".yaml" or not re.fullmatch(NAME_PATTERN, out.stem):
         raise UsageError(f"{out}: a calibration is <name>.yaml, of letters, digits and _")

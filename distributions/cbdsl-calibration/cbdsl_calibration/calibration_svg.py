@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
+from cbdsl.extend.backend import Floats
 
 _PAD, _TITLE, _FOOT = 16, 46, 62
 # Distinguishable without colour vision (Okabe and Ito).

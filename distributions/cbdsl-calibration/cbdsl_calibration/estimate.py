@@ -21,12 +21,11 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from cbdsl.calibration.ball import centre, hidden, image
-from cbdsl.calibration.hand_view import FINGERS, HandView
-from cbdsl.calibration.missing_motion import lacking
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.robot import Camera, Correction
-from cbdsl.numeric.arrays import Floats
+from cbdsl.api.documents import Camera, Correction
+from cbdsl.extend.backend import Floats, UsageError
+from cbdsl_calibration.ball import centre, hidden, image
+from cbdsl_calibration.hand_view import FINGERS, HandView
+from cbdsl_calibration.missing_motion import lacking
 
 #: Fewest views by each camera: it has six unknowns, and each view gives two numbers.
 LEAST_VIEWS = 12

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cbdsl.calibration.ball import image
-from cbdsl.calibration.hand_view import HandView
 from cbdsl.documents.model import Kernel, ModelDocument
 from cbdsl.documents.robot import Correction, RobotDocument
 from cbdsl.kinematics.forward import rotation_of
 from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
+from cbdsl_calibration.ball import image
+from cbdsl_calibration.hand_view import HandView
 
 RADIUS = 0.07
 #: Centre of the ball in the frame of the palm, m.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cbdsl.documents.robot import Camera
-from cbdsl.numeric.arrays import Floats
+from cbdsl.api.documents import Camera
+from cbdsl.extend.backend import Floats
 
 # Distance by which a fingertip must be nearer to a camera to hide e times as much of the ball, m.
 _NEARER = 0.005

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from synthetic import IN_HAND, ShownBall, draw_corrections, frame_of
 
-from cbdsl.calibration.estimate import LEAST_VIEWS, CalibrationError, estimate
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.forward import rotation_of
@@ -15,7 +15,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.vision.stereo import Ray, triangulate
 from cbdsl.yaml_text.library import Library
-from tests.calibration.synthetic import IN_HAND, ShownBall, draw_corrections, frame_of
+from cbdsl_calibration.estimate import LEAST_VIEWS, CalibrationError, estimate
 
 CAMERAS = ("left", "right")
 

@@ -8,10 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats
-from cbdsl.runtime.tick import Tick
+from cbdsl.api.sensing import Tick
+from cbdsl.extend.backend import Floats, Kinematics, RobotDocument
 
 #: Number of fingertips that determine a ball's centre.
 FINGERS = 3

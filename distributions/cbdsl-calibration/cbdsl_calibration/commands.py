@@ -10,21 +10,24 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cbdsl.api.requests.calibrate_request import CalibrateRequest
-from cbdsl.cli.arguments.command_text import command_text
-from cbdsl.cli.arguments.option_groups import grouped
-from cbdsl.cli.episodes.simulation import needing_simulation, simulation
-from cbdsl.cli.output.progress import Progress
-from cbdsl.cli.output.terminal import print_line
-from cbdsl.cli.process.native_output import shown_on_failure
-from cbdsl.cli.process.termination import termination_interrupts
+from cbdsl.extend.command import (
+    Progress,
+    command_text,
+    grouped,
+    needing_simulation,
+    print_line,
+    shown_on_failure,
+    simulation,
+    termination_interrupts,
+)
+from cbdsl_calibration.calibrate_request import CalibrateRequest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from cbdsl.api.requests.calibrate_request import CameraCalibration
-    from cbdsl.calibration.estimate import Estimate
-    from cbdsl.documents.calibration import CalibrationDocument
+    from cbdsl.api.documents import CalibrationDocument
+    from cbdsl_calibration.calibrate_request import CameraCalibration
+    from cbdsl_calibration.estimate import Estimate
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]

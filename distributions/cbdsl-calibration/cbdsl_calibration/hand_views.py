@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cbdsl.calibration.hand_view import HandView
-from cbdsl.storage.journal import RowForm
+from cbdsl.extend.command import RowForm
+from cbdsl_calibration.hand_view import HandView
 
 
 class HandViews(NamedTuple):

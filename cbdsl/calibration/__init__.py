@@ -1,1 +1,0 @@
-"""Calibration of cameras by views of the robot's own hand."""
