@@ -90,9 +90,10 @@ rclpy:
 	build/rclpy/bin/pip install --quiet --disable-pip-version-check "ros-jazzy-rclpy[fastrtps]" \
 	ros-jazzy-sensor-msgs ros-jazzy-trajectory-msgs ros-jazzy-test-msgs
 
-# The documentation with replays of shipped programs, in site/.
+# The documentation with replays of shipped programs and the playground, in site/; needs npm.
 site:
 	$(PYTHON) docs/make_gallery.py
+	$(PYTHON) docs/make_playground.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --strict --site-dir site
 
 # The versions that CI installs, for every supported Python; needs uv.

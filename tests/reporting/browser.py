@@ -68,9 +68,9 @@ class Page:
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
                   deviceScaleFactor=1, mobile=False)  # fmt: skip
 
-    def wait(self, condition: str) -> None:
+    def wait(self, condition: str, seconds: float = _PATIENCE) -> None:
         """Wait until an expression is true."""
-        end = time.monotonic() + _PATIENCE
+        end = time.monotonic() + seconds
         while not self.value(condition):
             assert time.monotonic() < end, f"{condition}; {self.errors}"
             time.sleep(0.05)

@@ -102,16 +102,16 @@ class PlaygroundRequests:
             self._turn.release()
 
     def _check(self, file: Path) -> Mapping[str, Any]:
-        report = json.loads(self._output(_CHECK, "validate", "--json", str(file)))
-        shown = "" if report["errors"] else self._output(_CHECK, "show", "program", file, "--json")
+        report = json.loads(self.output(_CHECK, "validate", "--json", str(file)))
+        shown = "" if report["errors"] else self.output(_CHECK, "show", "program", file, "--json")
         automaton = json.loads(shown)["automaton"] if shown.startswith("{") else None
         return {"findings": report["findings"], "automaton": automaton}
 
     def _run(self, file: Path, seed: int) -> Mapping[str, Any]:
         words = ("run", str(file), "--backend", "kinematic", "--seed", str(seed))
-        return {"output": self._output(_RUN, *words, errors=subprocess.STDOUT)}
+        return {"output": self.output(_RUN, *words, errors=subprocess.STDOUT)}
 
-    def _output(self, seconds: float, *words: str | Path, errors: int = subprocess.DEVNULL) -> str:
+    def output(self, seconds: float, *words: str | Path, errors: int = subprocess.DEVNULL) -> str:
         """Return the output of a command; by default without warnings, which are no JSON."""
         with subprocess.Popen(
             [*_CB, *map(str, words)], text=True, stdin=subprocess.DEVNULL,

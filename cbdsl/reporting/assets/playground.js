@@ -4,7 +4,8 @@ async function play() {
   const { text, token } = await readData();
   const askFor = makeAsking(token), field = byId("text");
   let waiting = 0, asked = 0;
-  field.value = text;
+  // An example of the documentation comes with the address.
+  field.value = new URLSearchParams(location.hash.slice(1)).get("text") ?? text;
 
   // Selects the place of a finding in the text.
   function select({ line, column, end_column: end }) {
