@@ -16,12 +16,11 @@ from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.output.terminal import print_json, print_table
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.link import Endpoint
     from cbdsl.documents.driver import Driver
     from cbdsl.documents.robot import RobotDocument
+    from cbdsl.robot.urdf import UrdfModel
 
 
 drive = CommandGroup(
@@ -51,6 +50,8 @@ def doctor(
     """
     document, urdf = read_robot(robot)
     from cbdsl.robot.control_rate import with_control_rate
+    from cbdsl.robot.stopping_time import stopping_lines
+    from cbdsl.robot.urdf_reader import read_urdf
 
     document = with_control_rate(document, rate)
     with needing_simulation():
@@ -65,7 +66,8 @@ def doctor(
     finally:
         driven.close()
     rows = [_endpoint_row(endpoint) for endpoint in endpoints]
-    stopping = _stopping_rows(document, urdf)
+    model = read_urdf(urdf)
+    stopping = _stopping_rows(document, model)
     if as_json:
         tables = {"topics": rows, "joints": joints, "stopping": stopping}
         print_json({**tables, "findings": obstacles})
@@ -73,6 +75,8 @@ def doctor(
         print_table("Topics", rows)
         print_table("Joints", joints)
         print_table("Stopping time", stopping)
+        for line in stopping_lines(document, model, slow=True):
+            print(f"warning: {line}")
         for obstacle in obstacles:
             print(f"finding: {obstacle}")
         print("not ready" if obstacles else "ready")
@@ -94,13 +98,10 @@ def _endpoint_row(endpoint: Endpoint) -> dict[str, object]:
     }
 
 
-def _stopping_rows(document: RobotDocument, urdf: Path) -> list[dict[str, object]]:
+def _stopping_rows(document: RobotDocument, model: UrdfModel) -> list[dict[str, object]]:
     """Return the longest times until each driver's joints stand as rows of a table."""
-    from cbdsl.robot.stopping_time import stopping_time
-    from cbdsl.robot.urdf_reader import read_urdf
+    from cbdsl.robot.stopping_time import stopping_times
 
-    model = read_urdf(urdf)
-    times = {n: stopping_time(document, model, n) for n, d in document.drivers.items() if d.moves}
     return [
         {
             "driver": name,
@@ -108,7 +109,7 @@ def _stopping_rows(document: RobotDocument, urdf: Path) -> list[dict[str, object
             "after a fault": f"{1e3 * time.fault:.0f} ms",
             "after a silent button": _silence(document.drivers[name]),
         }
-        for name, time in times.items()
+        for name, time in stopping_times(document, model).items()
     ]
 
 

@@ -44,14 +44,14 @@ if TYPE_CHECKING:
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.robot.driver_addresses import addresses
     from cbdsl.robot.driver_kind import DriverKind, Problem
-    from cbdsl.robot.stopping_time import horizon
+    from cbdsl.robot.stopping_time import horizon, stopping_lines
 
 __all__ = [
     "BackendError", "CameraSample", "Command", "DescriptionSample", "Driver", "DriverKind",
     "DriverLink", "DriverLinkFactory", "Endpoint", "FaultSample", "ImageSample", "JointLimits",
     "JointSample", "Problem", "PublishersSample", "RealTime", "RegionsSample", "RobotDocument",
     "Sample", "Setup", "StagingLink", "StopSample", "Watchdog", "WatchdogPhase", "WrenchSample",
-    "absolute", "addresses", "horizon", "joint_limits", "require_drivers",
+    "absolute", "addresses", "horizon", "joint_limits", "require_drivers", "stopping_lines",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

@@ -70,3 +70,22 @@ def stopping_time(robot: RobotDocument, model: UrdfModel, name: str) -> Stopping
         death = driver.deadline + period + braking + period
         return StoppingTime(death, death)
     return StoppingTime(reach + period, min(driver.deadline, reach) + braking + reach)
+
+
+def stopping_times(robot: RobotDocument, model: UrdfModel) -> dict[str, StoppingTime]:
+    """Return the stopping times of all drivers that move joints, by name."""
+    return {n: stopping_time(robot, model, n) for n, d in robot.drivers.items() if d.moves}
+
+
+def stopping_lines(robot: RobotDocument, model: UrdfModel, *, slow: bool = False) -> list[str]:
+    """Return a sentence for each driver that moves joints, or for the slow ones alone."""
+    lines = []
+    for name, time in stopping_times(robot, model).items():
+        is_slow = max(time) > ACCEPTED + 5e-4  # as printed
+        warning = f"; {1e3 * ACCEPTED:.0f} ms are accepted (CB325)" if is_slow else ""
+        if is_slow or not slow:
+            lines.append(
+                f"driver '{name}' stands {1e3 * time.death:.0f} ms after its program ends and "
+                f"{1e3 * time.fault:.0f} ms after a fault, at {robot.control.rate:g} Hz{warning}"
+            )
+    return lines

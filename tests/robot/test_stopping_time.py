@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.robot.stopping_time import stopping_time
+from cbdsl.robot.stopping_time import stopping_lines, stopping_time
 from cbdsl.robot.urdf_reader import parse_urdf
 from tests.backends.drivers.conftest import URDF, robot
 
@@ -32,3 +32,12 @@ def test_stopping_time_follows_from_the_document(
     model = parse_urdf(URDF, Path("rail.urdf"))
     bounds = stopping_time(document, model, "arm")
     assert [1e3 * bound for bound in bounds] == pytest.approx([death, fault], abs=0.1)
+
+
+@pytest.mark.parametrize(("acceleration", "is_slow"), [(100.0, False), (5.0, True)])
+def test_stopping_lines_name_late_drivers(acceleration: float, is_slow: bool) -> None:
+    document, model = robot(acceleration=acceleration), parse_urdf(URDF, Path("rail.urdf"))
+    (line,) = stopping_lines(document, model)
+    assert line.startswith("driver 'arm' stands 80 ms after its program ends and 1")
+    assert line.endswith("; 150 ms are accepted (CB325)" if is_slow else "after a fault, at 50 Hz")
+    assert stopping_lines(document, model, slow=True) == ([line] if is_slow else [])

@@ -500,6 +500,9 @@ class DrivenBackend:
         if self.supervisor.passes:
             self.supervisor.hold(HALTED)
         self._settle()
+        # After a fault, a watchdog holds, too.
+        for link in self._links if self.supervisor.cause == HALTED else ():
+            link.rest()
 
     def _settle(self) -> None:
         """Send the references that bring a held robot to rest."""

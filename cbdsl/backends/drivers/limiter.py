@@ -25,6 +25,10 @@ import numpy as np
 
 from cbdsl.numeric.arrays import Floats
 
+#: Speed of references below which they stand, rad/s or m/s, and the longest time for which the
+#: program of a standing robot may compute, s.
+STANDING, COMPUTING = 0.02, 0.5
+
 
 class JointLimits(NamedTuple):
     """Limits of n joints, rad or m; infinite without a limit.

@@ -67,6 +67,10 @@ class DriverLink(Protocol):
         """Send references to a driver's controller."""
         ...
 
+    def rest(self) -> None:
+        """Say that no references follow until an episode begins anew; maybe repeatedly."""
+        ...
+
     def survey(self) -> Sequence[Endpoint]:
         """Return the state of each stream that the drivers need."""
         ...

@@ -18,7 +18,7 @@ import numpy as np
 
 from cbdsl.backends.drivers.joint_limits import joint_limits
 from cbdsl.backends.drivers.joint_watch import JointWatch
-from cbdsl.backends.drivers.limiter import Limiter
+from cbdsl.backends.drivers.limiter import COMPUTING, STANDING, Limiter
 from cbdsl.backends.drivers.motion_watch import MotionWatch
 from cbdsl.backends.drivers.sample import (
     CameraSample,
@@ -44,9 +44,6 @@ from cbdsl.robot.urdf import UrdfModel
 
 # A reference is at its measured position, rad or m; and the most steps on the way there.
 _SETTLED, _MOST_STEPS = 1e-4, 20
-# Speed of references below which a robot counts as standing, rad/s or m/s; and the longest time
-# between two checks of a standing robot, s.
-_STANDING, _COMPUTING = 0.02, 0.5
 
 
 class State(Enum):
@@ -113,8 +110,8 @@ class SafetySupervisor:
         around obstacles: its controllers hold still, and no reference is sent before a new state.
         """
         speeds = np.abs(self.limiter.velocities)
-        is_standing = float(speeds.max(initial=0.0)) < _STANDING
-        return max(self._patience, _COMPUTING) if is_standing else self._patience
+        is_standing = float(speeds.max(initial=0.0)) < STANDING
+        return max(self._patience, COMPUTING) if is_standing else self._patience
 
     @property
     def is_undescribed(self) -> bool:
@@ -336,7 +333,7 @@ class SafetySupervisor:
         # one far from its reference does, too.
         measured, references = self.joints.positions, self.limiter.positions
         brakes = self._motion.lagging(references, measured)
-        brakes |= np.abs(self.joints.velocities) > _STANDING
+        brakes |= np.abs(self.joints.velocities) > STANDING
         self._target = np.where(brakes, np.nan, measured)
 
     def _hold_if_active(self, cause: str, *, blind: bool = False) -> None:

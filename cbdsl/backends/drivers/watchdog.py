@@ -4,9 +4,11 @@ A forward controller keeps its last reference forever, and its robot continues t
 program has failed. A watchdog is a separate process between the two:
 
     repeats   forwards each reference within all limits, and repeats the newest one
-    waits     after the deadline without a new one, if references stand, as between episodes
-    holds     otherwise: brakes, and keeps the reference where it stands
+    waits     after a program that said that it rests, and whose references stand
+    holds     after the deadline without a new one: brakes, and keeps the reference where it stands
     stops     after a while of holding: sends nothing more; a person starts it again
+
+Silence alone never lets it wait, because a program that is hung or killed is silent, too.
 
 Beside another commander of the controller it brakes and stops, because two would pull the robot.
 """
@@ -17,7 +19,7 @@ from enum import Enum
 
 import numpy as np
 
-from cbdsl.backends.drivers.limiter import JointLimits, Limiter
+from cbdsl.backends.drivers.limiter import COMPUTING, STANDING, JointLimits, Limiter
 from cbdsl.numeric.arrays import Floats
 
 # Time for which references are repeated after a hold, s.
@@ -41,7 +43,7 @@ class Watchdog:
     Args:
         limits: Limits of the joints.
         period: Time between two ticks, s.
-        deadline: Longest time without a reference from the program, s.
+        deadline: Longest time without a reference from the program while references move, s.
         start: Largest distance of the first reference from the measured positions, rad or m.
 
     Attributes:
@@ -51,12 +53,13 @@ class Watchdog:
 
     def __init__(self, limits: JointLimits, period: float, deadline: float, start: float) -> None:
         self._limiter, self._deadline, self._start = Limiter(limits, period), deadline, start
+        self._period, self._is_resting = period, False
         self._limiter.reset(np.full(len(limits.lower), np.nan))
         # Requested references; empty while the watchdog waits, so that a hold then sends nothing.
         self._requested: Floats = np.zeros(0)
         self._heard = self._until = 0.0
-        # Longest time between two ticks, and the time of the newest one, s.
-        self._patience, self._ticked = period + deadline, np.inf
+        # Longest time without a reference now, and the time of the newest tick, s.
+        self._patience, self._ticked = deadline, np.inf
         self._measured: Floats | None = None
         self.phase, self.cause = WatchdogPhase.WAITING, ""
 
@@ -75,6 +78,7 @@ class Watchdog:
         # A program that returns after a hold does not know where the robot is now.
         if self.phase in (WatchdogPhase.HOLDING, WatchdogPhase.STOPPED):
             return
+        self._is_resting = False
         if not np.isfinite(references).all():
             self._hold("a reference is not finite", now)
             return
@@ -88,8 +92,20 @@ class Watchdog:
             # The controller keeps the last references, unless the robot was moved meanwhile.
             if not np.abs(self._limiter.positions - self._measured).max() <= self._start:
                 self._limiter.reset(self._measured)
-            self.phase = WatchdogPhase.REPEATING
+            self.phase, self._requested = WatchdogPhase.REPEATING, self._limiter.positions
+        # A program whose references stand may compute for longer, as in a supervisor.
+        moved = float(np.abs(references - self._requested).max(initial=0.0))
+        stands = moved < STANDING * self._period
+        self._patience = max(self._deadline, COMPUTING) if stands else self._deadline
         self._requested, self._heard = references, now
+
+    def rest(self) -> None:
+        """Take in that the program sends nothing more until it begins anew.
+
+        The watchdog then waits as soon as references stand, and holds if they do not within the
+        deadline.
+        """
+        self._is_resting, self._patience = True, self._deadline
 
     def yield_to(self, rival: str, now: float) -> None:
         """Hold because of another commander, unless it holds already.
@@ -112,15 +128,14 @@ class Watchdog:
         if self.phase is WatchdogPhase.REPEATING:
             silent = now - self._heard
             # References that queued meanwhile arrive from now on, but their program may have ended.
-            if late > self._patience:
+            if late > self._period + self._deadline:
                 # The controller has come to rest at the newest reference.
                 self._limiter.reset(self._limiter.positions)
                 self._hold(f"the watchdog was suspended for {1e3 * late:.0f} ms", now)
-            elif silent <= self._deadline:
-                return self._limiter.approach(self._requested)
-            elif self._rests:
-                # The program may have ended, and its robot stands: another one may begin.
+            elif self._is_resting and self._has_arrived:
                 self.phase, self._requested = WatchdogPhase.WAITING, np.zeros(0)
+            elif silent <= self._patience:
+                return self._limiter.approach(self._requested)
             else:
                 self._hold(f"no reference for {1e3 * silent:.0f} ms", now)
         if self.phase is WatchdogPhase.HOLDING:
@@ -131,7 +146,7 @@ class Watchdog:
         return None
 
     @property
-    def _rests(self) -> bool:
+    def _has_arrived(self) -> bool:
         """True if references stand where the program requested them."""
         here = self._limiter.positions
         return self._limiter.stands and bool(np.allclose(here, self._requested, atol=_REACHED))

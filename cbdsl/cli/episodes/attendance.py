@@ -11,11 +11,8 @@ from cbdsl.api.simulation.rehearsal import rehearse
 from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
-    from cbdsl.documents.robot import RobotDocument
 
 Yes = Annotated[
     bool,
@@ -61,22 +58,6 @@ class TerminalPerson:
         return typer.confirm(question[0].upper() + question[1:], err=True)
 
 
-def slow_stops(robot: RobotDocument, urdf: Path) -> list[str]:
-    """Return a sentence for each driver whose robot stands late at the control rate of a run."""
-    from cbdsl.robot.stopping_time import ACCEPTED, stopping_time
-    from cbdsl.robot.urdf_reader import read_urdf
-
-    model, rate = read_urdf(urdf), robot.control.rate
-    moving = [name for name, driver in robot.drivers.items() if driver.moves]
-    times = {name: max(stopping_time(robot, model, name)) for name in moving}
-    return [
-        f"driver '{name}' stands {1e3 * time:.0f} ms after its program ends or finds a fault, at "
-        f"{rate:g} Hz; {1e3 * ACCEPTED:.0f} ms are accepted (CB325)"
-        for name, time in times.items()
-        if time > ACCEPTED + 5e-4  # as printed
-    ]
-
-
 def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str | None) -> None:
     """Name the person at the terminal to a backend of a real robot, and rehearse the program.
 
@@ -90,10 +71,12 @@ def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str |
         UsageError: The backend is simulated, and --yes or --interface is given.
     """
     from cbdsl.backends.backend import AttendedBackend
+    from cbdsl.robot.stopping_time import stopping_lines
+    from cbdsl.robot.urdf_reader import read_urdf
 
     if isinstance(backend, AttendedBackend):
         backend.attend(TerminalPerson(yes=yes), interface)
-        for line in slow_stops(request.robot, request.urdf):
+        for line in stopping_lines(request.robot, read_urdf(request.urdf), slow=True):
             print(f"warning: {line}", file=sys.stderr)
         rehearse(request)
     elif yes or interface is not None:

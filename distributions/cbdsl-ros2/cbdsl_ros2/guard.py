@@ -123,21 +123,30 @@ class _Post:
         period = 1.0 / robot.control.rate
         limits = JointLimits(*(limit[own] for limit in limits))
         self._dog = Watchdog(limits, period, driver.deadline, driver.start)
-        self._requests = node.reader(guarded(driver.commands), msg.Float64MultiArray)
+        # A lost or replaced message of a program that rests would look like its death.
+        self._requests = node.reader(
+            guarded(driver.commands), msg.Float64MultiArray, reliable=True, every=True
+        )
         self._states = node.reader(driver.states, msg.JointState)
         self._writer: Any = node.writer(driver.commands, msg.Float64MultiArray)
-        self._phase = self._dog.phase
+        self._phase, self._programs = self._dog.phase, 0
 
     @property
     def phase(self) -> WatchdogPhase:
         """Phase of the watchdog."""
         return self._dog.phase
 
+    @property
+    def _is_contended(self) -> bool:
+        """True if several programs could begin."""
+        return self.phase is WatchdogPhase.WAITING and self._programs > 1
+
     def look(self, remotes: Sequence[Remote], node: RosNode) -> None:
         """Hold beside another writer of the controller's topic, or a second program."""
         own, now = self._writer.get_guid(), time.monotonic()
         for topic, allowed in ((absolute(self.topic), 0), (guarded(self.topic), 1)):
             writers = [r for r in remotes if r.writes and r.topic == topic and r.key != own]
+            self._programs = len(writers)
             # Before the first reference, one program may follow another.
             if len(writers) > allowed and (not allowed or self.phase is WatchdogPhase.REPEATING):
                 names = ", ".join(sorted(map(node.process, writers)))
@@ -148,7 +157,12 @@ class _Post:
         now = time.monotonic()
         self._measure()
         for message in self._requests.take(_MOST):
-            if message.sample_info.valid_data and len(message.data) == len(self._names):
+            if not message.sample_info.valid_data:
+                continue
+            if not len(message.data):
+                self._dog.rest()
+            # Nobody begins beside another program, which may have begun between two episodes.
+            elif len(message.data) == len(self._names) and not self._is_contended:
                 self._dog.request(np.array(message.data), now)
         references = self._dog.tick(now)
         if references is not None:

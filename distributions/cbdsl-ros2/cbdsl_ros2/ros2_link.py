@@ -235,6 +235,12 @@ class Ros2Link:
         header = msg.Header(stamp=msg.Time.of(command.stamp))
         output.writer.write(msg.JointTrajectory(header, list(command.names), [point]))
 
+    def rest(self) -> None:
+        """Send an empty message to each watchdog; see ``DriverLink.rest``."""
+        for output in self._outputs:
+            if output.writer is not None and output.message is msg.Float64MultiArray:
+                output.writer.write(msg.Float64MultiArray(data=[]))
+
     @property
     def stages(self) -> bool:
         """True if a simulation behind the topics sets up stages; see ``StagingLink``."""

@@ -53,7 +53,8 @@ def serve_robot(
         DiagnosticsError: A document has errors.
         UsageError: An item is missing, not installed, or does not fit.
     """
-    from cbdsl.extend.backend import read_robot, read_stage, with_control_rate
+    from cbdsl.extend.backend import read_fitting, read_robot, read_stage, with_control_rate
+    from cbdsl.extend.driver import stopping_lines
     from cbdsl_ros2.injected_faults import Faults, read_fault
     from cbdsl_ros2.topic_server import RobotServer, simulated_robot
 
@@ -71,6 +72,8 @@ def serve_robot(
     try:
         drawn = server.reset(set_up, context, seed)
         report(_introduction(document, backend, set_up.name, drawn, interface))
+        for line in stopping_lines(document, read_fitting(document, urdf)):
+            report(line)
         # Setting up takes seconds, which count neither for the times of faults nor for the pace.
         injected.restart()
         pace.begin()

@@ -2,11 +2,12 @@
 
 ``CB_RCLPY=PYTHON python contract_trials.py --count 20`` runs each kind of fault 20 times at each of
 its rates, into ``build/contract.jsonl``; trials of this file are not repeated. ``--kinds`` selects
-kinds, ``--load`` keeps all processors busy, and ``--summary`` prints a table with exact 95 %
-intervals. The arm, its buttons and rivals are nodes of rclpy with Fast DDS (``rclpy_cell.py``), or
-the arm is that of ``cb drive serve``, with Cyclone DDS. The program is ``cb run`` with several
-episodes, and the watchdog ``cb drive watchdog``. The fault comes in one of the first two episodes,
-or on the way back between them.
+kinds, ``--load`` keeps all processors busy, and ``--minutes`` ends the campaign. ``--summary``
+prints a table with exact 95 % intervals, busy and quiet trials apart. The arm, its buttons and
+rivals are nodes of rclpy with Fast DDS (``rclpy_cell.py``), or the arm is that of ``cb drive
+serve``, with Cyclone DDS. The program is ``cb run`` with several episodes, and the watchdog
+``cb drive watchdog``. The fault comes in one of the first two episodes, or on the way back between
+them.
 """
 
 from __future__ import annotations
@@ -45,6 +46,8 @@ STILL, SLOW = 0.15, 0.02
 _SILENT, _SUSPENDED = 0.25, 0.6
 # Most trials until one has a fault that comes while a served arm moves.
 _ATTEMPTS = 4
+# Load above which a computer is busy.
+_BUSY = 4.0
 FAST, CYCLONE = NODES = "Fast DDS", "Cyclone DDS"
 
 
@@ -145,6 +148,8 @@ class Outcome(NamedTuple):
             acceleration, or not finite.
         cause: Last words of the program.
         passed: True if the contract held.
+        load: Processes that were running or waiting at the end of the trial, on average over a
+            minute.
     """
 
     kind: str
@@ -158,6 +163,7 @@ class Outcome(NamedTuple):
     cause: str
     passed: bool
     node: str = FAST
+    load: float = math.nan
 
 
 class Trial:
@@ -424,7 +430,7 @@ class Trial:
         cause = said.splitlines()[-1][-300:] if said else ""
         return Outcome(
             self._name, self._rate, self._seed, moving, round(elapsed, 4), round(way, 3), commands,
-            violations, cause, passed, self._node,
+            violations, cause, passed, self._node, round(os.getloadavg()[0], 1),
         )  # fmt: skip
 
     def _violations(self, sent: Floats) -> int:
@@ -473,11 +479,11 @@ def summary(lines: list[str]) -> str:
     from cbdsl.numeric.proportion import exact_interval
 
     outcomes = [Outcome(**json.loads(line)) for line in lines]
-    rows = ["| fault | node | rate, Hz | passed | 95 % interval | median, ms | longest, ms |"]
-    rows.append("| --- | --- | --- | --- | --- | --- | --- |")
-    trial = lambda each: (each.kind, each.node, each.rate)  # noqa: E731
-    for name, node, rate in dict.fromkeys(map(trial, outcomes)):
-        trials = [each for each in outcomes if trial(each) == (name, node, rate)]
+    heads = "fault", "node", "rate, Hz", "load", "passed", "95 % interval", "median, ms"
+    rows = [f"| {' | '.join(heads)} | longest, ms |", "| --- " * (len(heads) + 1) + "|"]
+    trial = lambda each: (each.kind, each.node, each.rate, each.load >= _BUSY)  # noqa: E731
+    for name, node, rate, is_busy in sorted(set(map(trial, outcomes))):
+        trials = [each for each in outcomes if trial(each) == (name, node, rate, is_busy)]
         passed = sum(each.passed for each in trials)
         low, high = exact_interval(passed, len(trials))
         times = [1e3 * each.time for each in trials]
@@ -485,7 +491,8 @@ def summary(lines: list[str]) -> str:
         shown = f"{np.median(times):.0f} | {max(times):.0f}" if is_timed else "- | -"
         interval = f"{100 * low:.1f} to {100 * high:.1f} %"
         rows.append(
-            f"| {name} | {node} | {rate:g} | {passed} of {len(trials)} | {interval} | {shown} |"
+            f"| {name} | {node} | {rate:g} | {'busy' if is_busy else 'quiet'} "
+            f"| {passed} of {len(trials)} | {interval} | {shown} |"
         )
     return "\n".join(rows)
 
@@ -528,17 +535,21 @@ def main() -> int:
     parser.add_argument("--rates", nargs="*", type=float)
     parser.add_argument("--nodes", nargs="*", default=NODES, choices=NODES)
     parser.add_argument("--load", action="store_true")
+    parser.add_argument("--minutes", type=float, default=math.inf)
     parser.add_argument("--out", type=Path, default=Path("build/contract.jsonl"))
-    parser.add_argument("--summary", nargs="*", type=Path)
+    parser.add_argument("--summary", nargs="*", type=Path, help="files of outcomes [--out]")
     options = parser.parse_args()
-    if options.summary:
-        lines = [line for path in options.summary for line in path.read_text().splitlines()]
+    if options.summary is not None:
+        files = options.summary or [options.out]
+        if missing := [str(path) for path in files if not path.is_file()]:
+            parser.error(f"there is no file of outcomes {', '.join(missing)}")
+        lines = [line for path in files for line in path.read_text().splitlines()]
         sys.stdout.write(summary(lines) + "\n")
         return 0
     options.out.parent.mkdir(parents=True, exist_ok=True)
     lines = options.out.read_text().splitlines() if options.out.is_file() else []
     done = {(r["kind"], r["node"], r["rate"], r["seed"]) for r in map(json.loads, lines)}
-    failed = False
+    failed, until = False, time.monotonic() + 60.0 * options.minutes
     with busy(os.cpu_count() or 1 if options.load else 0):
         for seed, (name, node, rate) in product(
             range(options.first, options.first + options.count), selected(options.kinds)
@@ -546,6 +557,8 @@ def main() -> int:
             left_out = node not in options.nodes or (options.rates and rate not in options.rates)
             if left_out or (name, node, rate, seed) in done:
                 continue
+            if time.monotonic() > until:
+                break
             outcome = attempt(name, rate, seed, node)
             failed |= not outcome.passed
             line = json.dumps(outcome._asdict())

@@ -129,23 +129,25 @@ def test_guard_holds_and_stops_without_a_program(node: RosNode, path: Path) -> N
     assert lines[2].startswith("driver 'arm' has stopped: ")
 
 
-def test_guard_waits_for_the_next_program_at_rest(node: RosNode, path: Path) -> None:
-    controller, pauses = Controller(node), iter([True] * 60 + [False] * 30)
+@pytest.mark.parametrize("rival", [False, True])
+def test_guard_waits_for_the_next_episode_without_a_rival(
+    rival: bool, node: RosNode, path: Path
+) -> None:
+    controller, rivals, ticks = Controller(node), list[object](), iter(range(150))
 
     def work() -> bool:
-        pausing = bool(controller.received) and next(pauses, None)
-        if pausing is None:
-            return True
-        if pausing:
-            controller._reader.take(64)
-        else:
-            controller.work([0.0, 0.0], [0.0, 0.0])
-        return False
+        tick = next(ticks) if controller.received else 0
+        # An episode ends at tick 10, and the next one begins at tick 100.
+        controller.work([0.0, 0.0], [] if 10 < tick < 100 else [0.0, 0.0])
+        if tick == 60 and rival:
+            rivals.append(node.writer("/commands/guarded", msg.Float64MultiArray))
+        return tick > 140
 
     held, lines = guarded(path, work, PROMPT)
     assert not held
     waits = "driver 'arm' waits for the first reference"
-    assert lines == ["driver 'arm' repeats", waits, "driver 'arm' repeats"]
+    again = [] if rival else ["driver 'arm' repeats"]
+    assert lines == ["driver 'arm' repeats", waits, *again]
 
 
 @pytest.mark.parametrize("topic", ["/commands", "/commands/guarded"])

@@ -61,6 +61,7 @@ class Peer:
         silent: True if it sends nothing.
         skew: Advance of its clock, s.
         claims: Number of claims before commands.
+        rests: Number of commands before each word that none follows.
     """
 
     time: float = 0.0
@@ -75,6 +76,7 @@ class Peer:
     sent: float = -1.0
     moving: bool = True
     claims: int = 0
+    rests: list[int] = field(default_factory=list)
 
     def clock(self) -> Clock:
         return Clock(lambda: self.time, lambda: _EPOCH + self.time, self.sleep)
@@ -100,6 +102,9 @@ class Peer:
 
     def send(self, driver: str, command: Command) -> None:
         self.commands.append((self.time, command))
+
+    def rest(self) -> None:
+        self.rests.append(len(self.commands))
 
     def survey(self) -> Sequence[Endpoint]:
         return self.endpoints

@@ -321,6 +321,31 @@ def test_halt_returns_to_the_measured_positions(urdf: Path, stage: StageDocument
     assert _within_limits(peer.references)
 
 
+def test_program_that_halts_says_so_at_rest(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, sine, 20)
+    driven.halt()
+    assert peer.rests == [len(peer.commands)]
+    assert (peer.references[-1] == peer.references[-2]).all()
+
+
+@pytest.mark.parametrize("name", ["silence", "emergency stop", "nan"])
+def test_program_that_a_fault_holds_says_nothing(
+    name: str, urdf: Path, stage: StageDocument
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, sine, 5)
+    FAULTS[name][0](peer)
+    with pytest.raises(BackendError, match="is held"):
+        run(driven, sine, 20)
+    driven.halt()
+    assert peer.rests == []
+
+
 @pytest.mark.parametrize("person", [RefusingPerson(), Answers(False)])
 def test_reset_without_consent_sends_no_reference(
     person: RefusingPerson | Answers, urdf: Path, stage: StageDocument

@@ -49,14 +49,13 @@ def waiting() -> Watchdog:
     for now in np.arange(0.02, 0.2, PERIOD):
         dog.request(np.array([0.02]), float(now))
         dog.tick(float(now))
-    for now in np.arange(0.2, 0.3, PERIOD):
-        dog.tick(float(now))
-    assert dog.tick(0.3) is None
+    dog.rest()
+    assert [dog.tick(float(now)) for now in np.arange(0.2, 0.31, PERIOD)] == [None] * 6
     assert dog.phase is WatchdogPhase.WAITING
     return dog
 
 
-def test_watchdog_waits_after_references_that_stand() -> None:
+def test_watchdog_that_waits_refuses_references_far_from_the_robot() -> None:
     dog = waiting()
     dog.request(np.array([0.5]), 0.4)
     assert dog.phase is WatchdogPhase.HOLDING, "the next program begins at the robot"
@@ -82,6 +81,42 @@ def test_watchdog_that_waited_sends_no_old_references_when_it_holds(first: float
     dog.request(np.array([first]), 0.3)
     assert dog.phase is WatchdogPhase.HOLDING
     assert dog.tick(0.32) is None
+
+
+def test_watchdog_waits_for_a_computing_program_and_stops_one_that_hangs_at_rest() -> None:
+    dog = guarding()
+    for now in np.arange(0.02, 0.2, PERIOD):
+        dog.request(np.array([0.02]), float(now))
+        dog.tick(float(now))
+    for now in np.arange(0.2, 2.0, PERIOD):
+        dog.tick(float(now))
+        if now < 0.6:
+            assert dog.phase is WatchdogPhase.REPEATING, "it plans a path"
+    assert dog.phase is WatchdogPhase.STOPPED
+    assert dog.cause == "no reference for 520 ms"
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.5, 1.9])
+def test_watchdog_stops_a_program_that_is_killed_at_any_speed(speed: float) -> None:
+    dog = guarding()
+    for tick in range(10):
+        dog.request(np.array([0.02 + speed * PERIOD * tick]), tick * PERIOD)
+        dog.tick(tick * PERIOD)
+    # Slow references are reached before the deadline, so that the robot stands already.
+    for now in np.arange(10, 100) * PERIOD:
+        dog.tick(float(now))
+    assert dog.phase is WatchdogPhase.STOPPED
+    assert dog.cause == "no reference for 60 ms"
+
+
+def test_watchdog_holds_a_program_that_rests_far_from_its_references() -> None:
+    dog = guarding()
+    dog.tick(0.02)
+    dog.request(np.array([0.9]), 0.04)
+    dog.rest()
+    for now in np.arange(0.04, 0.2, PERIOD):
+        dog.tick(float(now))
+    assert dog.phase is WatchdogPhase.HOLDING
 
 
 def test_watchdog_stops_a_program_that_resumes_and_ends_in_motion() -> None:
@@ -182,19 +217,23 @@ def test_watchdog_never_leaves_a_hold(phase: WatchdogPhase) -> None:
 
 
 # Requests near the robot also resume after a pause.
-requests = st.one_of(
-    st.floats(-3.0, 3.0), st.sampled_from([-0.04, 0.0, 0.04]), st.floats(), st.none()
-)
+near = st.sampled_from([-0.04, 0.0, 0.04, "rest"])
+requests = st.one_of(st.floats(-3.0, 3.0), near, st.floats(), st.none())
 
 
 @given(st.lists(requests, max_size=60))
-@example([0.04] * 5 + [None] * 4 + [-0.04])
-def test_watchdog_sends_nothing_beyond_limits(asked: list[float | None]) -> None:
-    dog, before, speed = guarding(), 0.0, 0.0
+@example([0.04] * 5 + ["rest", None, None, -0.04])
+def test_watchdog_keeps_limits_and_waits_at_a_word_only(asked: list[float | str | None]) -> None:
+    dog, before, speed, is_resting = guarding(), 0.0, 0.0, False
     for tick, request in enumerate(asked, 1):
-        if request is not None:
+        if request == "rest":
+            dog.rest()
+        elif request is not None:
             dog.request(np.array([request]), tick * PERIOD)
+        is_resting = request == "rest" or (request is None and is_resting)
+        repeated = dog.phase is WatchdogPhase.REPEATING
         sent = dog.tick(tick * PERIOD)
+        assert not repeated or is_resting or dog.phase is not WatchdogPhase.WAITING
         if sent is None:
             continue
         moved = (float(sent[0]) - before) / PERIOD

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from cbdsl.api.load import load
-from cbdsl.cli.episodes.attendance import TerminalPerson, attend, slow_stops
+from cbdsl.cli.episodes.attendance import TerminalPerson, attend
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.control_rate import with_control_rate
@@ -57,11 +57,3 @@ def test_options_of_real_robots_are_refused_in_simulation(
         attend(simulated, request, yes=yes, interface=interface)
     attend(simulated, request, yes=False, interface=None)
     simulated.close()
-
-
-def test_robot_that_stands_late_at_the_rate_of_a_run_is_named(dexter: RobotDocument) -> None:
-    assert slow_stops(dexter, URDF) == []
-    slow = with_control_rate(dexter, 31.0)
-    (line,) = slow_stops(slow, URDF)
-    assert line.startswith("driver 'body' stands 1")
-    assert "at 31 Hz; 150 ms are accepted (CB325)" in line

@@ -61,6 +61,9 @@ class EchoLink:
         """Move to references."""
         self._positions[driver] = command
 
+    def rest(self) -> None:
+        """Do nothing: the robot stands at its references."""
+
     def survey(self) -> Sequence[Endpoint]:
         """Return no streams: there is no network."""
         return ()
