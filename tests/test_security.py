@@ -29,6 +29,7 @@ _BACKEND = "backends/test_backend_calls.py:"
 _SOURCE = "scaffold/test_model_source.py:"
 _SIZES = "test_reader_sizes.py:"
 _SERVER = "reporting/live/test_page_server.py:"
+_GUARD = "../distributions/cbdsl-ros2/tests/test_guard.py:"
 _WATCHDOG = "backends/drivers/test_watchdog.py:"
 _WORKERS = "training/workers/test_local_workers.py:"
 _BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
@@ -213,12 +214,19 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     "With `stop_repeats: false` it is unnoticed for up to 20 s, and pressing it has no effect.": (
         "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
     ),
-    "A watchdog waits after references that stand, and takes further ones within `start` of the"
-    " robot from any program.": (
-        f"{_WATCHDOG}test_watchdog_waits_after_references_that_stand",
+    "A watchdog waits after a program that ended its episode at rest, and takes references within"
+    " `start` of the robot from the next one.": (
+        f"{_WATCHDOG}test_watchdog_keeps_limits_and_waits_at_a_word_only",
+        f"{_WATCHDOG}test_watchdog_that_waits_refuses_references_far_from_the_robot",
         f"{_WATCHDOG}test_watchdog_begins_at_a_robot_that_was_moved_while_it_waited",
-        f"{_WATCHDOG}test_watchdog_refuses_a_first_reference_far_from_the_robot",
-        f"{_WATCHDOG}test_watchdog_stops_a_program_that_resumes_and_ends_in_motion",
+        "backends/drivers/test_backend.py:test_program_that_halts_says_so_at_rest",
+    ),
+    "It stops if a program falls silent otherwise, or if a second one commands.": (
+        f"{_WATCHDOG}test_watchdog_waits_for_a_computing_program_and_stops_one_that_hangs_at_rest",
+        f"{_WATCHDOG}test_watchdog_stops_a_program_that_is_killed_at_any_speed",
+        "backends/drivers/test_backend.py:test_program_that_a_fault_holds_says_nothing",
+        f"{_GUARD}test_guard_stops_beside_another_commander",
+        f"{_GUARD}test_guard_waits_for_the_next_episode_without_a_rival",
     ),
     "`halt` is called whenever an episode cannot begin or go on.": (
         f"{_BACKEND}test_backend_that_raises_is_halted_and_named",

@@ -38,6 +38,6 @@ def test_stopping_time_follows_from_the_document(
 def test_stopping_lines_name_late_drivers(acceleration: float, is_slow: bool) -> None:
     document, model = robot(acceleration=acceleration), parse_urdf(URDF, Path("rail.urdf"))
     (line,) = stopping_lines(document, model)
-    assert line.startswith("driver 'arm' stands 80 ms after its program ends and 1")
+    assert line.startswith("driver 'arm' stands 80 ms after its program ends and ")
     assert line.endswith("; 150 ms are accepted (CB325)" if is_slow else "after a fault, at 50 Hz")
     assert stopping_lines(document, model, slow=True) == ([line] if is_slow else [])
