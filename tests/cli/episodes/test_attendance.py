@@ -11,7 +11,6 @@ from cbdsl.api.load import load
 from cbdsl.cli.episodes.attendance import TerminalPerson, attend
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.control_rate import with_control_rate
 from tests.backends.conftest import URDF, sightless
 
 
