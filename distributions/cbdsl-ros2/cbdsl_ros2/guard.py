@@ -161,7 +161,7 @@ class _Post:
                 continue
             if not len(message.data):
                 self._dog.rest()
-            # Nobody begins beside another program, which may have begun between two episodes.
+            # Another program may have come between two episodes, and neither of them begins then.
             elif len(message.data) == len(self._names) and not self._is_contended:
                 self._dog.request(np.array(message.data), now)
         references = self._dog.tick(now)
