@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from cbdsl.documents.driver import Driver
@@ -48,8 +49,8 @@ def stopping_time(robot: RobotDocument, model: UrdfModel, name: str) -> Stopping
 
     The controller ends a trajectory after its horizon. A watchdog, which a controller of bare
     positions needs, waits for the deadline and brakes. The program notices a fault within the
-    deadline, if the trajectory has not ended before, and brakes. The joints move at the largest
-    speed of the control law.
+    deadline, if the trajectory has not ended before, and brakes. It sends references until it
+    notices that load cells are silent. The joints move at the largest speed of the control law.
 
     Args:
         robot: Robot with drivers.
@@ -58,18 +59,26 @@ def stopping_time(robot: RobotDocument, model: UrdfModel, name: str) -> Stopping
     """
     driver, rate = robot.drivers[name], robot.control.rate
     period, reach = 1.0 / rate, horizon(driver, rate)
-    joints = (model.joints[j] for effector in driver.moves for j in robot.joints(effector))
     braking = 0.0
-    for joint in joints:
-        largest = joint.velocity if math.isfinite(joint.velocity) else robot.control.joint_speed
-        speed = min(largest, robot.control.joint_speed)
+    for _, largest, speed in speeds(robot, model, name):
         braking = max(braking, speed / acceleration(driver, largest))
     braking = period * math.ceil(braking * rate - _ROUNDING)
     if driver.form == "positions":
         # The watchdog notices both in its next period, and each reference is reached in another.
         death = driver.deadline + period + braking + period
         return StoppingTime(death, death)
-    return StoppingTime(reach + period, min(driver.deadline, reach) + braking + reach)
+    blind = max((each.deadline for each in robot.drivers.values() if each.wrenches), default=0.0)
+    noticed = max(min(driver.deadline, reach), blind)
+    return StoppingTime(reach + period, noticed + braking + reach)
+
+
+def speeds(robot: RobotDocument, model: UrdfModel, name: str) -> Iterator[tuple[str, float, float]]:
+    """Yield joint, largest speed and largest commanded speed of each joint of a driver."""
+    control = robot.control.joint_speed
+    for joint in (j for e in robot.drivers[name].moves for j in robot.joints(e)):
+        limit = model.joints[joint].velocity
+        largest = limit if math.isfinite(limit) else control
+        yield joint, largest, min(largest, control)
 
 
 def stopping_times(robot: RobotDocument, model: UrdfModel) -> dict[str, StoppingTime]:

@@ -34,6 +34,15 @@ def test_stopping_time_follows_from_the_document(
     assert [1e3 * bound for bound in bounds] == pytest.approx([death, fault], abs=0.1)
 
 
+def test_stopping_time_lasts_until_silent_load_cells_are_noticed() -> None:
+    model, touch = parse_urdf(URDF, Path("rail.urdf")), {"wrenches": {"arm": {"tip": "/tip"}}}
+    seeing, feeling = robot(deadline=0.4), robot(deadline=0.4, **touch)
+    times = [stopping_time(document, model, "arm") for document in (seeing, feeling)]
+    # Without joint states no reference follows, and a trajectory ends after three periods.
+    assert times[1].fault - times[0].fault == pytest.approx(0.4 - 0.06)
+    assert times[1].death == times[0].death
+
+
 @pytest.mark.parametrize(("acceleration", "is_slow"), [(100.0, False), (5.0, True)])
 def test_stopping_lines_name_late_drivers(acceleration: float, is_slow: bool) -> None:
     document, model = robot(acceleration=acceleration), parse_urdf(URDF, Path("rail.urdf"))

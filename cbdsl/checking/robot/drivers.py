@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable
 
 from cbdsl.checking.robot.limits import is_of_another_kind
@@ -13,7 +14,7 @@ from cbdsl.documents.driver import Driver, absolute
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.driver_addresses import addresses
 from cbdsl.robot.driver_kind import DRIVERS
-from cbdsl.robot.stopping_time import ACCEPTED, stopping_time
+from cbdsl.robot.stopping_time import ACCEPTED, horizon, speeds, stopping_time
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -31,8 +32,11 @@ _SECTIONS: dict[Step, tuple[str, ...]] = {
 }
 # Units in messages about accelerations of revolute and prismatic joints.
 _ACCELERATIONS = {"rad": "rad/s^2", "m": "m/s^2"}
-# Longest deadline, horizon and skew, s: a robot must not move on for longer without its program.
-_LONGEST = 1.0
+# Longest times, s: a robot must not move on for longer without its program. A robot whose clock is
+# behind begins each trajectory later.
+_LONGEST = {"deadline": 1.0, "horizon": 1.0, "stop_deadline": 1.0, "skew": 0.15}
+# Distance of a joint from its reference that is never accepted, as a multiple of ``tracking``.
+_FAR = 3.0
 # Streams that several drivers may read.
 _SHARED = ("states", "stop", "description")
 
@@ -137,9 +141,9 @@ class _DriverCheck:
 
     def _times(self, name: str, driver: Driver) -> None:
         """Report times that are shorter than a control period, or unsafely long."""
-        for key in ("deadline", "horizon", "skew", "stop_deadline"):
-            if (getattr(driver, key) or 0.0) > _LONGEST:
-                problem = f"{getattr(driver, key):.4g} s are more than {_LONGEST:g} s"
+        for key, longest in _LONGEST.items():
+            if (getattr(driver, key) or 0.0) > longest:
+                problem = f"{getattr(driver, key):.4g} s are more than {longest:g} s"
                 self._problem(name, (key,), problem)
         control = self._source.known(self._robot.control, "control")
         if isinstance(control, Unknown):
@@ -204,15 +208,32 @@ class _DriverCheck:
             return
         times = driver.deadline, driver.horizon or 0.0
         members = {m for e in driver.moves for m in self._robot.members(e)}
-        if not members or not self._robot.effectors.keys() >= members or max(times) > _LONGEST:
+        if not members or not self._robot.effectors.keys() >= members or max(times) > 1.0:
             return
         if not model.joints.keys() >= set(self._reported(driver)):
             return
+        self._lag(name, driver, model)
         longest = max(stopping_time(self._robot, model, name))
         if longest > ACCEPTED + 5e-4:  # as printed
             place = self._source.key("drivers", name)
             details = {"time": f"{1e3 * longest:.0f}", "accepted": f"{1e3 * ACCEPTED:.0f}"}
             self._diagnostics.add("CB325", place, name=name, **details)
+
+    def _lag(self, name: str, driver: Driver, model: UrdfModel) -> None:
+        """Report joints that are too far behind their references in any fast motion."""
+        control = self._robot.control
+        delay = horizon(driver, control.rate) - 1.0 / control.rate
+        for joint, _, speed in speeds(self._robot, model, name):
+            behind = min(control.lead, speed * delay)
+            if behind > _FAR * driver.tracking:
+                self._problem(
+                    name,
+                    ("tracking",),
+                    f"joint '{joint}' is {behind:.2g} behind its references at {speed:g}/s, and "
+                    f"more than {_FAR:g} times 'tracking', {driver.tracking:g}, holds it; state "
+                    f"at least {math.ceil(1e3 * behind / _FAR) / 1e3:g}",
+                )
+                return
 
     def _pairs(self, name: str, driver: Driver) -> None:
         """Report keys that need another key."""

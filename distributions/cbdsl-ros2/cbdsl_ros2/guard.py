@@ -23,7 +23,8 @@ from cbdsl.extend.driver import (
     require_drivers,
 )
 from cbdsl_ros2 import dds_types as msg
-from cbdsl_ros2.ros_node import Remote, RosNode, guarded
+from cbdsl_ros2.driver import guarded
+from cbdsl_ros2.ros_node import Remote, RosNode
 
 _MOST = 64
 

@@ -31,10 +31,11 @@ from cbdsl.extend.driver import (
     horizon,
 )
 from cbdsl_ros2 import dds_types as msg
+from cbdsl_ros2.driver import guarded
 from cbdsl_ros2.goals import Goals, client_action
 from cbdsl_ros2.qos_match import mismatch
 from cbdsl_ros2.regions_text import read_regions
-from cbdsl_ros2.ros_node import Remote, RosNode, guarded
+from cbdsl_ros2.ros_node import Remote, RosNode
 from cbdsl_ros2.stage_requests import StageAsker
 
 # Messages per poll.

@@ -279,11 +279,6 @@ def _domain(number: int, interface: str) -> _Domain:
     return domain
 
 
-def guarded(topic: str) -> str:
-    """Return the topic at which a watchdog takes the references for a controller's topic."""
-    return f"{absolute(topic)}/guarded"
-
-
 def domain_id() -> int:
     """Return the number of the domain, from ``ROS_DOMAIN_ID`` as in ROS.
 

@@ -262,7 +262,12 @@ class Trial:
         if self._kind.harmless and name != "no fault":
             time.sleep(1.0)
             program.terminate()
-        said = program.communicate(timeout=60)[1] or ""
+        try:
+            said = program.communicate(timeout=60)[1] or ""
+        except subprocess.TimeoutExpired:
+            # It was not held, such as by a suspension at rest.
+            program.terminate()
+            said = program.communicate(timeout=60)[1] or ""
         time.sleep(0.3)
         arm.terminate()
         arm.wait(10)
