@@ -1,5 +1,6 @@
 """Robot document: sensors, effectors and constants of a robot."""
 
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
@@ -231,6 +232,9 @@ class VisionSection(Section):
     backend mujoco, needs EGL; ``auto`` takes the first of ``opengl`` and ``tiny`` that works."""
     channels: Channels = Channels.model_construct()
     regions: Regions = Regions.model_construct()
+    stereo: tuple[Name, Name] | None = None
+    """The two cameras that triangulate, for robots with more cameras; the others give headings of
+    their own."""
 
 
 # Eq 4.1 calls a controller quiescent while |d phi / dt| is at most epsilon. A derivative of
@@ -363,7 +367,7 @@ class RobotDocument(Document):
     load_cells: dict[Name, dict[Name, LoadCell]] = {}
     """Load cells by hand (an effector) and finger."""
     cameras: dict[Name, Camera] = {}
-    """Cameras, by name; two of them triangulate."""
+    """Cameras, by name; two triangulate, and of more those of ``vision: stereo``."""
     calibration: Name | None = None
     """Calibration that corrects the places of the cameras."""
     sensors: dict[Name, Sensor] = {}
@@ -383,6 +387,17 @@ class RobotDocument(Document):
         """Posture of each effector that has one at the start of an episode, rad or m."""
         effectors = self.effectors.items()
         return {name: each.postures[each.start] for name, each in effectors if each.start}
+
+    @property
+    def main_cameras(self) -> Mapping[str, Camera]:
+        """Cameras of signals that name no camera: the stereo pair, or all without a pair."""
+        names = [name for name in self.vision.stereo or () if name in self.cameras]
+        return {name: self.cameras[name] for name in names} or self.cameras
+
+    @property
+    def has_stereo(self) -> bool:
+        """Whether two cameras triangulate."""
+        return self.vision.stereo is not None or len(self.cameras) == 2
 
     def members(self, effector: str) -> tuple[str, ...]:
         """Return the effectors of a group, or the named effector itself.

@@ -121,13 +121,13 @@ class TurnedPosture:
         return float(np.mean(far)), float(tip[2])
 
     def _cameras(self) -> list[Frame]:
-        links = tuple(camera.link for camera in self._robot.cameras.values())
+        links = tuple(camera.link for camera in self._robot.main_cameras.values())
         return self._kinematics.placed(links)
 
     def _unseen(self, point: Floats) -> float:
         """Return the sum of squared angles, rad^2, by which a point is outside of the views."""
         total = 0.0
-        for camera, frame in zip(self._robot.cameras.values(), self._cameras(), strict=True):
+        for camera, frame in zip(self._robot.main_cameras.values(), self._cameras(), strict=True):
             # Cameras look along x, with y to the left and z up.
             x, y, z = frame.rotation.T @ (point - frame.position)
             for side, size in ((y, camera.width), (z, camera.height)):

@@ -46,7 +46,7 @@ def parse_instance(name: str, named: Mapping[str, Resource]) -> InstanceName | N
 
 def instance_names(robot: RobotDocument) -> tuple[str, ...]:
     """Return the instances that a robot's programs may name: numbers and selections."""
-    if len(robot.cameras) != 2:
+    if not robot.has_stereo:
         return ()
     numbers = range(1, robot.vision.regions.instances + 1)
     return (*map(str, numbers), *SELECTIONS)

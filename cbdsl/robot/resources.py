@@ -236,7 +236,7 @@ def _vision(robot: RobotDocument) -> Iterator[Resource]:
         for camera in (*robot.cameras, CYCLOPEAN):
             source = Heading(camera, channel)
             yield Resource(f"{camera}.{name}", HEADING, Origin.ENVIRONMENT, source)
-        if len(robot.cameras) == 2:
+        if robot.has_stereo:
             pair = HEADING.times(2)
             yield Resource(f"{CAMERAS}.{name}", pair, Origin.ENVIRONMENT, Headings(channel))
             position = StereoPosition(channel)
@@ -250,7 +250,7 @@ def _features(robot: RobotDocument, name: str, channel: str) -> Iterator[Resourc
         for part, kind in _BLOB_PARTS.items():
             blob = BlobSignal(camera, channel, part)
             yield Resource(f"{camera}.{name}.{part}", kind, Origin.ENVIRONMENT, blob)
-    if len(robot.cameras) == 2:
+    if robot.has_stereo:
         for part, kind in _STEREO_PARTS.items():
             seen = StereoSignal(channel, part)
             yield Resource(f"{STEREO}.{name}.{part}", kind, Origin.TRIANGULATION, seen)

@@ -119,7 +119,7 @@ def _features(request: RunRequest, below: ExploredThing) -> dict[str, Resource]:
 
     Those of a stack's two parts follow: the stack is one object only while it stands.
     """
-    given, camera = request.program.parameters, next(iter(request.robot.cameras), "")
+    given, camera = request.program.parameters, next(iter(request.robot.main_cameras), "")
     named = resources(request.robot, read_urdf_if_sound(request.urdf))
     features = pair_features(given["feature"], given["goal"], camera, named)
     if below.base:

@@ -104,7 +104,7 @@ def _ranges(context: ProgramContext, effector: str, moved: tuple[str, ...]) -> I
 
 
 def _sight(context: ProgramContext) -> Iterator[str]:
-    links = [camera.link for camera in context.body.document.cameras.values()]
+    links = [camera.link for camera in context.body.document.main_cameras.values()]
     # Triangulation needs a baseline: cameras in one place see an object in the same direction at
     # any distance.
     if len(set(links)) < len(links):

@@ -100,7 +100,7 @@ def _is_background(
         names = known if robot.cameras else []
         diagnostics.add("CB672", place, names=names, name=document.channel, robot=robot.name)
         return False
-    links = [camera.link for camera in robot.cameras.values()]
+    links = [camera.link for camera in robot.main_cameras.values()]
     if body.model is None or not body.model.links.issuperset(links):
         return True  # as far as the model is known
     moving = [

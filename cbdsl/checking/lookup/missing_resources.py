@@ -11,7 +11,7 @@ from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.diagnostics.outcome import UNKNOWN
-from cbdsl.robot.resources import CAMERAS, COUNTED, NOVEL, STEREO
+from cbdsl.robot.resources import CAMERAS, COUNTED, NOVEL, STEREO, SURFACE
 from cbdsl.types.resource import CYCLOPEAN
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
@@ -119,8 +119,9 @@ class MissingResources:
             # Report all names with the same unknown first part as one mistake.
             firsts = [*(("here",) if steps[-1:] == ("reference",) else ()), *self._firsts()]
             candidates = firsts if "." in name else [*firsts, *self._known]
-            if first in (STEREO, CAMERAS, COUNTED):
-                hint = f"; only a robot of exactly two cameras has '{first}'"
+            if first in (STEREO, CAMERAS, COUNTED, SURFACE):
+                pair = "of two cameras, or of more with two in its 'vision: stereo',"
+                hint = f"; only a robot {pair} has '{first}'"
                 self._add(place, names=firsts, given=name, hint=hint, **details)
                 return
             self._add(place, names=firsts, candidates=candidates, given=first, **details)

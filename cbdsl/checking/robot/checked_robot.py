@@ -148,8 +148,8 @@ class CheckedRobot(NamedTuple):
         return frozenset(joint for link in links for joint in self._above(link))
 
     def has_rigid_cameras(self) -> bool:
-        """Return whether all cameras move with the same joints; true if the model is unknown."""
-        links = [camera.link for camera in self.document.cameras.values()]
+        """Return whether the cameras of a pair move with the same joints; true without a model."""
+        links = [camera.link for camera in self.document.main_cameras.values()]
         if self.model is None or not self.model.links.issuperset(links):
             return True
         # Triangulation (Eq 3.14) needs a constant pose between the cameras. A joint that moves only
@@ -190,7 +190,7 @@ class CheckedRobot(NamedTuple):
         cameras = self.document.cameras
         _, *names = declaration_of(source)
         return [cameras[n].link for n in names if n in cameras] or [
-            c.link for c in cameras.values()
+            c.link for c in self.document.main_cameras.values()
         ]
 
     def _tip_links(self, effector: str) -> list[str]:

@@ -142,6 +142,7 @@ class _RobotCheck:
         self._load_cells()
         self._sensors()
         self._aliases()
+        self._stereo()
         self._tasks()
 
     def _effector(self, name: str, effector: Effector) -> None:
@@ -238,6 +239,16 @@ class _RobotCheck:
         for alias, channel in channels.aliases.items():
             steps = ("vision", "channels", "aliases", alias)
             self._known(channel, names, steps, "channel")
+
+    def _stereo(self) -> None:
+        vision = self._source.known(self._robot.vision, "vision")
+        cameras = self._source.known(self._robot.cameras, "cameras")
+        if isinstance(vision, Unknown) or isinstance(cameras, Unknown) or vision.stereo is None:
+            return
+        first, second = vision.stereo
+        self._known(first, cameras, ("vision", "stereo", 0), "camera")
+        others = [name for name in cameras if name != first]
+        self._known(second, others, ("vision", "stereo", 1), "second camera")
 
     def _tasks(self) -> None:
         for name in self._robot.control.tasks:

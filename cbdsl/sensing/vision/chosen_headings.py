@@ -54,7 +54,7 @@ class ChosenHeadings(ABC, Generic[Chosen]):
         self._robot, self._kinematics, self._vision = robot, kinematics, vision
         self._sources: tuple[Chosen, ...] = sources_of(resources, self.kind)
         self._linger = robot.vision.regions.linger
-        self._places = {name: place for place, name in enumerate(robot.cameras)}
+        self._places = {name: place for place, name in enumerate(robot.main_cameras)}
         self.reset()
 
     def reset(self) -> None:

@@ -25,7 +25,7 @@ _INSIDE = 0.75
 
 
 class FieldOfView:
-    """Visibility and occlusion of places in the newest images.
+    """Visibility and occlusion of places in the newest images of the main cameras.
 
     Attributes:
         frames: Camera frames at their newest images, by name.
@@ -33,7 +33,8 @@ class FieldOfView:
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
-        self._cameras = robot.cameras
+        self._cameras = robot.main_cameras
+        self._rows = {name: row for row, name in enumerate(self._cameras)}
         self._kinematics = kinematics
         self._hand_radius = robot.vision.regions.hand_radius
         # Upper arms are thin and seldom in view; wrists and hands occlude objects.
@@ -69,24 +70,24 @@ class FieldOfView:
         assert self.posture is not None
         return self._kinematics.posed(self.posture, lambda: self._kinematics.placed(links))
 
-    def place(self, row: int, name: str, frame: Frame) -> None:
-        """Set the placement of a camera, the ``row``-th, at its newest image."""
+    def place(self, name: str, frame: Frame) -> None:
+        """Set the placement of a camera at its newest image."""
         self.frames[name] = frame
-        self._eyes[row] = frame.position
+        if name in self._rows:
+            self._eyes[self._rows[name]] = frame.position
 
     @property
     def middle(self) -> Floats:
-        """Middle between the cameras, m, world frame, shape (3,)."""
+        """Middle between the main cameras, m, world frame, shape (3,)."""
         mean: Floats = self._eyes.mean(axis=0)
         return mean
 
     def views(self, position: Floats, radius: float) -> list[bool]:
         """Return for each camera whether its image would show a whole ball without occlusion."""
         return [
-            within_view(
-                self._cameras[name], frame.rotation.T.dot(position - frame.position), radius
-            )
-            for name, frame in self.frames.items()
+            within_view(camera, frame.rotation.T.dot(position - frame.position), radius)
+            for name, camera in self._cameras.items()
+            if (frame := self.frames.get(name)) is not None
         ]
 
     def shows(self, position: Floats, radius: float) -> bool:

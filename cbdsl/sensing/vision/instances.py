@@ -174,7 +174,7 @@ class Instances:
     def _tell_apart(self, time: float, seen: Sightings, known: Sequence[int]) -> None:
         """Update from images with several regions, or with an object other than the known one."""
         for each, sightings in zip(self.sightings, seen, strict=True):
-            self._claim(each, sightings, known)
+            self.claim(each, sightings)
         for number in known:
             self._retract(number)
         grown = {k for k in known if self._merged.has_grown_together(k, known)}
@@ -182,12 +182,10 @@ class Instances:
             self._remember(time, number, believed=number not in grown)
         self._discovery.update(time, seen, among=bool(known))
 
-    def _claim(
-        self, claims: dict[int, Sighting], sightings: Sequence[Sighting], known: Sequence[int]
-    ) -> None:
+    def claim(self, claims: dict[int, Sighting], sightings: Sequence[Sighting]) -> None:
         """Assign to each remembered object a sighting that leads to it, the nearest pairs first."""
         options = []
-        for number in known:
+        for number in self.known:
             position, radius = self._objects.ball(number)
             for place, sighting in enumerate(sightings):
                 distance = sighting.distance(position)

@@ -29,7 +29,7 @@ class Marks(ChosenHeadings[MarkHeading]):
         self._hues: dict[MarkHeading, str] = {}
 
     def _choose(self, source: MarkHeading) -> dict[str, Floats]:
-        marks = {name: self._marks(name, source) for name in self._robot.cameras}
+        marks = {name: self._marks(name, source) for name in self._robot.main_cameras}
         areas: Counter[str] = Counter()
         for own in marks.values():
             areas.update({hue: region.area for hue, region in own.items()})

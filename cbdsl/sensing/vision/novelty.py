@@ -47,7 +47,7 @@ class Novelty(ChosenHeadings[NovelHeading]):
     def _choose(self, source: NovelHeading) -> dict[str, Floats]:
         lines: dict[str, Floats] = {}
         first: Floats | None = None
-        for camera in self._robot.cameras:
+        for camera in self._robot.main_cameras:
             novel = [
                 each
                 for each in self._whole_regions(camera, source)

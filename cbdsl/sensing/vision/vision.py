@@ -76,7 +76,7 @@ class Vision:
         field: Field of view of the cameras.
         headings: Cached headings since the newest images, by camera, channel and number of the
             object.
-        all_memories: Memories of the objects of all channels, with two cameras.
+        all_memories: Memories of the objects of all channels, with a stereo pair.
         images: Number of sets of images since the start of the episode.
         seen: Regions in the newest images, by camera and channel, the largest first.
     """
@@ -84,13 +84,14 @@ class Vision:
     def __init__(
         self, robot: RobotDocument, kinematics: Kinematics, channels: Iterable[str]
     ) -> None:
-        self._cameras: Mapping[str, Camera] = robot.cameras
-        self._rows = {name: row for row, name in enumerate(robot.cameras)}
+        # The main cameras come first; their number is that of the rows of ``Instances``.
+        self._cameras: Mapping[str, Camera] = {**robot.main_cameras, **robot.cameras}
+        main = self._main = len(robot.main_cameras)
         self._lenses = {
             name: np.array((each.width, each.height, each.focal_length), dtype=float)
-            for name, each in robot.cameras.items()
+            for name, each in self._cameras.items()
         }
-        self._links = tuple([camera.link for camera in robot.cameras.values()])
+        self._links = tuple([camera.link for camera in self._cameras.values()])
         self._kinematics = kinematics
         settings = self._settings = robot.vision.regions
         self.channels = tuple(dict.fromkeys(channels))
@@ -100,9 +101,13 @@ class Vision:
         }
         self.field = FieldOfView(robot, kinematics)
         self._history = PostureHistory()
-        self.instances = {
-            name: Instances(settings, self.field, len(robot.cameras)) for name in self.channels
+        self.instances = {name: Instances(settings, self.field, main) for name in self.channels}
+        # Sightings of all cameras in the newest images, by channel and number of the object.
+        self._sightings: dict[str, list[dict[int, Sighting]]] = {
+            name: [*each.sightings, *({} for _ in range(main, len(self._cameras)))]
+            for name, each in self.instances.items()
         }
+        self._rows = {name: row for row, name in enumerate(self._cameras)}
         self.all_memories = tuple(m for each in self.instances.values() for m in each.memories)
         self.reset()
 
@@ -117,15 +122,17 @@ class Vision:
         self._looking: Collection[str] = ()
         self.seen: Mapping[str, Mapping[str, Sequence[Region]]] = {}
         self.field.reset()
-        for instances in self.instances.values():
+        for channel, instances in self.instances.items():
             instances.reset()
+            for alone in self._sightings[channel][self._main :]:
+                alone.clear()
         for channel_filter in self._filters.values():
             channel_filter.reset()
         self._expects = self._knows()
 
     @property
     def memories(self) -> Mapping[str, PositionMemory]:
-        """Memory of the object attended to, by channel, with two cameras."""
+        """Memory of the object attended to, by channel, with a stereo pair."""
         return {
             name: each.memories[each.attended]
             for name, each in self.instances.items()
@@ -145,9 +152,8 @@ class Vision:
 
     def region(self, camera: str, channel: str, number: int | None = None) -> Region | None:
         """Return an object's region in a camera's newest image, by default of the attended one."""
-        instances = self.instances[channel]
-        seen = instances.sightings[self._rows[camera]]
-        sighting = seen.get(instances.attended if number is None else number)
+        seen = self._sightings[channel][self._rows[camera]]
+        sighting = seen.get(self.instances[channel].attended if number is None else number)
         return None if sighting is None else sighting.region
 
     def meeting(self, channel: str) -> Floats | None:
@@ -275,19 +281,35 @@ class Vision:
                 by_channel[channel][row] = [
                     self._sighted(name, frame, region) for region in regions
                 ]
-            self.field.place(row, name, frame)
+            self.field.place(name, frame)
         for channel, sightings in by_channel.items():
-            others = _others(by_channel, channel, len(self._cameras))
-            self.instances[channel].look(self._image_time, self._exposed, sightings, others)
+            instances, others = self.instances[channel], _others(by_channel, channel, self._main)
+            instances.look(self._image_time, self._exposed, sightings[: self._main], others)
+            for row in range(self._main, len(self._cameras)):
+                self._look_alone(instances, self._sightings[channel][row], sightings[row])
         self._linger(turned)
+
+    @staticmethod
+    def _look_alone(
+        instances: Instances, seen: dict[int, Sighting], sightings: Sequence[Sighting]
+    ) -> None:
+        """Update an additional camera's sightings, by the objects that the pair remembers.
+
+        Without any, its largest region is the object attended to.
+        """
+        seen.clear()
+        if instances.known:
+            instances.claim(seen, sightings)
+        elif sightings:
+            seen[instances.attended] = sightings[0]
 
     def _linger(self, turned: Collection[str]) -> None:
         """Keep the sightings of the newest images and of the linger time before.
 
         A moving object is kept while a camera turns, because that camera cannot detect motion.
         """
-        for channel, instances in self.instances.items():
-            for camera, sightings in zip(self._cameras, instances.sightings, strict=True):
+        for channel, by_camera in self._sightings.items():
+            for camera, sightings in zip(self._cameras, by_camera, strict=True):
                 for number, sighting in sightings.items():
                     self._lingering[camera, channel, number] = sighting
         now, linger = self._image_time, self._settings.linger

@@ -59,7 +59,9 @@ class VisualSignals:
         self._tips = tips
         self._touch = touch
         self._still = np.zeros((3, len(kinematics.joints)))
-        self._places = {name: place for place, name in enumerate(robot.cameras)}
+        # The main cameras come first, as in the rows of headings of both.
+        self._cameras = {**robot.main_cameras, **robot.cameras}
+        self._places = {name: place for place, name in enumerate(self._cameras)}
         self._carriers = tuple(touch.carriers.values())
         self._tip_parts = records_of([tips.part(carrier) for carrier in self._carriers])
         self._cell_links = [
@@ -132,7 +134,7 @@ class VisualSignals:
             source: Source of the heading.
             chains: Chains of casts with Jacobians that are summed; none for the value alone.
         """
-        names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
+        names = self._robot.main_cameras if source.camera == CYCLOPEAN else (source.camera,)
         number = self._vision.number(source.channel, source.instance)
         if number is None:
             return None
@@ -145,7 +147,8 @@ class VisualSignals:
 
     def camera_parts(self, shift: int) -> list[RowPart]:
         """Return the cameras as parts of a row of headings, which lie ``shift`` rows apart."""
-        links = [self._kinematics.link(camera.link) for camera in self._robot.cameras.values()]
+        cameras = self._robot.main_cameras if shift else self._cameras
+        links = [self._kinematics.link(camera.link) for camera in cameras.values()]
         return [
             RowPart(
                 link.frame, rotation=link.rotation.ravel(), support=link.support, shift=shift * i
@@ -166,7 +169,7 @@ class VisualSignals:
         if number is None:
             return None
         thing, headings = (source.channel, number), []
-        for camera in self._robot.cameras:
+        for camera in self._robot.main_cameras:
             region = self._vision.region(camera, *thing)
             seen = self._vision.heading(camera, *thing)
             if seen is None:
@@ -194,8 +197,9 @@ class VisualSignals:
         return Reading(memory.position, jacobian, self._vision.images, memory.radius)
 
     def cameras(self) -> tuple[Frame, ...]:
-        """Return the cameras' frames relative to the first camera's frame."""
-        frames = [self._kinematics.frame(camera.link) for camera in self._robot.cameras.values()]
+        """Return the main cameras' frames relative to the first camera's frame."""
+        cameras = self._robot.main_cameras.values()
+        frames = [self._kinematics.frame(camera.link) for camera in cameras]
         first = frames[0]
         return tuple(
             Frame(

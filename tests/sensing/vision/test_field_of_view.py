@@ -18,8 +18,8 @@ FAR = np.array([0.0, 0.0, 50.0])
 def field(dexter: RobotDocument, kinematics: Kinematics) -> FieldOfView:
     """Return a field with one camera at the origin, and one far above it."""
     made = FieldOfView(dexter, kinematics)
-    for row, (name, place) in enumerate(zip(dexter.cameras, (np.zeros(3), FAR), strict=True)):
-        made.place(row, name, Frame(place, np.eye(3)))
+    for name, place in zip(dexter.cameras, (np.zeros(3), FAR), strict=True):
+        made.place(name, Frame(place, np.eye(3)))
     return made
 
 

@@ -23,7 +23,7 @@ class SolidSignals:
     """Reader of the sizes of objects, which are measured while no hand touches anything.
 
     Args:
-        robot: Robot document with two cameras.
+        robot: Robot document with a stereo pair.
         kinematics: Kinematics of the same robot.
         vision: Regions and memories of the cameras.
         touch: Contacts of the hands.
@@ -63,13 +63,13 @@ class SolidSignals:
         if support is None or support.position is None:
             return
         silhouettes = self._silhouettes(channel)
-        if len(silhouettes) == len(self._robot.cameras):
+        if len(silhouettes) == len(self._robot.main_cameras):
             solid.see(memory.position, float(support.position[2]), silhouettes)
 
     def _silhouettes(self, channel: str) -> list[Silhouette]:
         """Return the whole regions of a channel's object in the newest images."""
         silhouettes, frames = [], self._vision.field.frames
-        for name, camera in self._robot.cameras.items():
+        for name, camera in self._robot.main_cameras.items():
             region = self._vision.region(name, channel)
             if region is not None and not region.clipped and name in frames:
                 silhouettes.append(Silhouette(camera, frames[name], region))

@@ -16,7 +16,7 @@ class Surfaces:
     """Static surfaces by channel, which are remembered until the episode ends.
 
     Args:
-        robot: Robot document with two cameras.
+        robot: Robot document with a stereo pair.
         vision: Regions in the images of the cameras.
         resources: Resources of the program.
     """
@@ -41,7 +41,7 @@ class Surfaces:
         if not (observation.images or observation.regions):
             return
         for channel, surface in self.by_channel.items():
-            views = [self._view(camera, channel) for camera in self._robot.cameras]
+            views = [self._view(camera, channel) for camera in self._robot.main_cameras]
             left, right = views
             if left is not None and right is not None:
                 surface.see(left, right)
