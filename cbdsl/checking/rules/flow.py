@@ -5,7 +5,7 @@ from __future__ import annotations
 from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.language.exit import LETTERS, OF_KIND
-from cbdsl.program.automaton import Automaton, Exit, ProgramStep, Tables, meet, of_tables
+from cbdsl.program.automaton import END, Automaton, Exit, ProgramStep, Tables, meet, of_tables
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.dry_run import levels, rewarding, rows
@@ -105,6 +105,8 @@ class _FlowCheck:
                     # The failure of stuck members belongs to the exit before it.
                     if place == 0 or exit_.path != step.exits[place - 1].path:
                         self._check_exit(step, place, exit_)
+            else:
+                self._check_going_on(step)
             self._check_holding(step)
         traps = self._traps()
         for name in traps:
@@ -189,6 +191,18 @@ class _FlowCheck:
                 step = self._automaton.steps[name]
                 steps = " -> ".join((*cycle, name))
                 self._add("CB727", step, self._path(step), steps=steps)
+
+    def _check_going_on(self, step: ProgramStep) -> None:
+        """Report an action that ends the program as soon as its controllers move."""
+        conditions = self._program.conditions
+        moving = tuple(LETTERS if name in conditions else "0" for name in step.members)
+        box = meet(moving, step.values)
+        if box is not None and {to for to, _ in step._replace(values=box).targets} == {END}:
+            state = "".join(
+                "0" if name in step.members and name not in conditions else "X"
+                for name in self._automaton.members
+            )
+            self._add("CB731", step, self._path(step), action=step.action, state=state)
 
     def _check_holding(self, step: ProgramStep) -> None:
         """Report controllers whose required controller has no joint left to act with."""

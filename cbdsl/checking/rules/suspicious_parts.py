@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from cbdsl.checking.knowledge.impossible_states import check_possible, reads_what_is_known
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.robot.pace import check_gain, check_window
+from cbdsl.checking.rules.flow import active_members
 from cbdsl.checking.rules.wait_cycles import check_waiting
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
@@ -45,6 +46,7 @@ def check_suspicious(
     _hasty(context, checked, program)
     _start(context, program)
     _background(context, program)
+    _unchosen(context, program, actions)
     _used(context, program)
     for action in program.actions:
         if action.name in program.policy.values():
@@ -169,6 +171,25 @@ def _background(context: ProgramContext, program: CheckedProgram) -> None:
     name = str(program.background)
     if program.background is not None and name in (action.name for action in program.actions):
         context.add("CB716", context.source.place("background"), name=name)
+
+
+def _unchosen(
+    context: ProgramContext, program: CheckedProgram, actions: Mapping[str, Steps]
+) -> None:
+    """Note actions with members that a written policy never activates.
+
+    Actions of one member may also be listed to begin the state in their order.
+    """
+    chosen = {*program.policy.values(), str(program.background)}
+    active = {m for each in program.actions if each.name in chosen for m in active_members(each)}
+    diagnostics = context.diagnostics
+    # An end that only these actions show is the same mistake.
+    is_written = context.document.policy and not (
+        diagnostics.failed or diagnostics.holds(("CB722",))
+    )
+    for action in program.actions if is_written else ():
+        if not active.issuperset(active_members(action)):
+            context.add("CB732", context.source.place(*actions[action.name]), name=action.name)
 
 
 def _used(context: ProgramContext, program: CheckedProgram) -> None:

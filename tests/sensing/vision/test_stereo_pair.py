@@ -28,7 +28,7 @@ def with_third(robot: RobotDocument, pair: tuple[str, str] | None) -> RobotDocum
 def read(
     robot: RobotDocument, urdf: Path, place: np.ndarray, names: tuple[str, ...]
 ) -> dict[str, np.ndarray | None]:
-    """Return what a robot reads a moment after a ball is placed."""
+    """Return the readings of a robot, half a second after a ball is placed."""
     named = {name: resources(robot)[name] for name in names}
     backend = SyntheticBackend(robot, urdf)
     signals = Signals(robot, Kinematics(robot, urdf), named.values())
