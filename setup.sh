@@ -12,6 +12,8 @@ extras=$(sed -n '/^\[project.optional-dependencies\]/,/^\[/s/^\([a-z0-9]*\) = .*
 for name in $(echo "$extra" | tr ',' ' '); do
     echo "$extras" | grep -qx "$name" || fail "unknown extra '$name'; allowed: $(echo "$extras" | paste -sd ' ' -)"
 done
+# The links of ROS 2 are of drivers.
+case ",$extra," in *,ros2,*) extra="$extra,drive" ;; esac
 projects=""
 for project in distributions/cbdsl-*; do
     case ",$extra," in *,"${project#distributions/cbdsl-}",* | *,dev,*) projects="$projects -e ./$project" ;; esac

@@ -105,6 +105,10 @@ def test_bare_environment_validates_and_names_the_extra_for_runs(
     export = cb("export", "lerobot", "tapes")
     assert export.returncode == 2 and "pip install 'cbdsl[lerobot]'" in export.stderr
     assert export.stderr.count("\n") == 1
+    for command, extra in (("calibrate", "calibration"), ("drive", "ros2")):
+        refused = cb(command, "dexter")
+        assert refused.returncode == 2 and refused.stderr.count("\n") == 1
+        assert f"pip install 'cbdsl[{extra}]'" in refused.stderr
     (checked,) = json.loads(cb("validate", "dexter", "--format", "json").stdout)["findings"]
     assert (checked["severity"], checked["code"]) == ("note", "CB324")
     assert "pip install 'cbdsl[ros2]'" in checked["message"]

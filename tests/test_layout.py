@@ -15,7 +15,6 @@ MIRRORS = {
     "each engine implements the contract in these parts": (
         "backends",
         "backends/bullet",
-        "backends/drivers",
         "backends/kinematic",
         "backends/mujoco",
         "backends/staging",

@@ -30,7 +30,7 @@ _SOURCE = "scaffold/test_model_source.py:"
 _SIZES = "test_reader_sizes.py:"
 _SERVER = "reporting/live/test_page_server.py:"
 _GUARD = "../distributions/cbdsl-ros2/tests/test_guard.py:"
-_WATCHDOG = "backends/drivers/test_watchdog.py:"
+_WATCHDOG = "../distributions/cbdsl-drive/tests/test_watchdog.py:"
 _WORKERS = "training/workers/test_local_workers.py:"
 _BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
 _HERE = "test_security.py:"
@@ -122,8 +122,8 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "a robot is held when another commander writes to its topic, or moves its joints": (
         "../distributions/cbdsl-ros2/tests/test_follower.py:test_follower_refuses_a_second_writer",
-        "backends/drivers/test_backend.py:test_held_robot_is_released_by_a_person_only",
-        "backends/drivers/test_backend.py:test_robot_that_another_controller_carries_is_held",
+        "../distributions/cbdsl-drive/tests/test_backend.py:test_held_robot_is_released_by_a_person_only",
+        "../distributions/cbdsl-drive/tests/test_backend.py:test_robot_that_another_controller_carries_is_held",
     ),
     "they are kept below the user's folder of caches": (
         "numeric/test_kernel_cache.py:test_the_folder_is_below_the_users_caches",
@@ -208,23 +208,23 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "They end with the command.": (f"{_WORKERS}test_an_interrupt_while_workers_begin_is_one_line",),
     "A dead or silent button of `stop` holds a robot after `stop_deadline`.": (
-        "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
-        "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_ends",
+        "../distributions/cbdsl-drive/tests/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
+        "../distributions/cbdsl-drive/tests/test_stop_watch.py:test_stop_watch_finds_a_button_that_ends",
     ),
     "With `stop_repeats: false` it is unnoticed for up to 20 s, and pressing it has no effect.": (
-        "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
+        "../distributions/cbdsl-drive/tests/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
     ),
     "A watchdog waits after a program that ended its episode at rest, and takes references within"
     " `start` of the robot from the next one.": (
         f"{_WATCHDOG}test_watchdog_keeps_limits_and_waits_at_a_word_only",
         f"{_WATCHDOG}test_watchdog_that_waits_refuses_references_far_from_the_robot",
         f"{_WATCHDOG}test_watchdog_begins_at_a_robot_that_was_moved_while_it_waited",
-        "backends/drivers/test_backend.py:test_program_that_halts_says_so_at_rest",
+        "../distributions/cbdsl-drive/tests/test_backend.py:test_program_that_halts_says_so_at_rest",
     ),
     "It stops if a program falls silent otherwise, or if a second one commands.": (
         f"{_WATCHDOG}test_watchdog_waits_for_a_computing_program_and_stops_one_that_hangs_at_rest",
         f"{_WATCHDOG}test_watchdog_stops_a_program_that_is_killed_at_any_speed",
-        "backends/drivers/test_backend.py:test_program_that_a_fault_holds_says_nothing",
+        "../distributions/cbdsl-drive/tests/test_backend.py:test_program_that_a_fault_holds_says_nothing",
         f"{_GUARD}test_guard_stops_beside_another_commander",
         f"{_GUARD}test_guard_waits_for_the_next_episode_without_a_rival",
     ),

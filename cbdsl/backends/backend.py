@@ -218,9 +218,9 @@ BACKENDS: Registry[BackendFactory] = Registry(
         "bullet": "cbdsl.backends.bullet.backend:BulletBackend",
         "kinematic": "cbdsl.backends.kinematic.backend:KinematicBackend",
         "mujoco": "cbdsl.backends.mujoco.backend:MujocoBackend",
-        "ros2": "cbdsl.backends.drivers.backend:DrivenBackend",
     },
     _factory,
+    providers={"ros2": "cbdsl[ros2]"},
 )
 
 

@@ -35,10 +35,9 @@ SUMMARIES = {
     "fmt": "Format documents: uniform indentation and spacing, without superfluous empty lines.",
     "export": "Write programs and recordings in formats of other tools.",
     "warm": "Compile in advance for all installed engines, so that first runs start immediately.",
-    "drive": "Serve, examine and guard the drivers of a robot.",
 }
 #: Built-in commands that have commands of their own.
-GROUPS = ("show", "new", "export", "drive")
+GROUPS = ("show", "new", "export")
 
 #: Modules of commands that are not named like their command.
 _MODULES = {
@@ -52,6 +51,7 @@ _PROVIDERS = {
     "reproduce": "cbdsl-reproduction",
     "judge": "cbdsl-reproduction",
     "calibrate": "cbdsl[calibration]",
+    "drive": "cbdsl[ros2]",
     "drive.serve": "cbdsl[ros2]",
     "drive.watchdog": "cbdsl[ros2]",
     "export.tree": "cbdsl[trees]",

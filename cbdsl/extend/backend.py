@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     )
     from cbdsl.backends.simulated_backend import SimulatedBackend
     from cbdsl.backends.staging.engine import Engine
-    from cbdsl.backends.staging.episode_start import choose_context
+    from cbdsl.backends.staging.episode_start import choose_context, draw_start
     from cbdsl.backends.staging.fit import read_fitting
     from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.documents.context import PlaceSection
     from cbdsl.documents.form import MeshForm
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
@@ -42,11 +43,12 @@ if TYPE_CHECKING:
     from cbdsl.sensing.observation import Loads, Observation
 
 __all__ = [
-    "AttendedBackend", "Backend", "BackendError", "BackendFactory", "Engine", "Extent", "Floats",
-    "Image", "Joints", "Kinematics", "Loads", "MeshForm", "Moments", "Observation", "Person",
-    "Region", "Regions", "ResumableBackend", "RobotDocument", "SimulatedBackend", "StageDocument",
-    "StagingBackend", "UsageError", "choose_context", "embody", "load_kept", "read_fitting",
-    "read_robot", "read_stage", "read_urdf", "with_control_rate",
+    "AttendedBackend", "Backend", "BackendError", "BackendFactory", "Engine", "Extent",
+    "Floats", "Image", "Joints", "Kinematics", "Loads", "MeshForm", "Moments", "Observation",
+    "Person", "PlaceSection", "Region", "Regions", "ResumableBackend", "RobotDocument",
+    "SimulatedBackend", "StageDocument", "StagingBackend", "UsageError", "choose_context",
+    "draw_start", "embody", "load_kept", "read_fitting", "read_robot", "read_stage",
+    "read_urdf", "with_control_rate",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

@@ -34,7 +34,9 @@ if TYPE_CHECKING:
     from cbdsl.cli.arguments.option_groups import grouped
     from cbdsl.cli.arguments.options import Cameras, Json, Policy, Program, Rate, With
     from cbdsl.cli.arguments.workers import require_workers
-    from cbdsl.cli.episodes.attendance import Interface
+    from cbdsl.cli.command_group import CommandGroup
+    from cbdsl.cli.commands import commands_of
+    from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
     from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
     from cbdsl.cli.output.compilation import told_of_compilation
     from cbdsl.cli.output.progress import Progress
@@ -46,13 +48,13 @@ if TYPE_CHECKING:
     from cbdsl.storage.journal import Journal, RowForm
 
 __all__ = [
-    "BACKEND", "CAMERAS", "SEED", "BackendName", "Cameras", "DiagnosticsError", "Interface",
-    "Journal", "Json", "Policy", "Program", "Progress", "Rate", "RowForm", "UsageError",
-    "With", "call_text", "command_text", "declaration", "engine_of", "given", "grouped",
-    "needing_simulation", "print_json", "print_line", "print_problem", "print_table",
-    "quiet_stderr", "read_assignments", "read_program", "read_request", "reason",
-    "require_workers", "shown_on_failure", "simulation", "stop_requests",
-    "termination_interrupts", "told_of_compilation", "verb",
+    "BACKEND", "CAMERAS", "SEED", "BackendName", "Cameras", "CommandGroup", "DiagnosticsError",
+    "Interface", "Journal", "Json", "Policy", "Program", "Progress", "Rate", "RowForm",
+    "TerminalPerson", "UsageError", "With", "call_text", "command_text", "commands_of",
+    "declaration", "engine_of", "given", "grouped", "needing_simulation", "print_json",
+    "print_line", "print_problem", "print_table", "quiet_stderr", "read_assignments",
+    "read_program", "read_request", "reason", "require_workers", "shown_on_failure",
+    "simulation", "stop_requests", "termination_interrupts", "told_of_compilation", "verb",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

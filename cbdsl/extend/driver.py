@@ -15,18 +15,14 @@ from cbdsl.extend.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from cbdsl.backends.backend import BackendError
-    from cbdsl.backends.drivers.joint_limits import joint_limits
-    from cbdsl.backends.drivers.limiter import JointLimits
-    from cbdsl.backends.drivers.link import (
+    from cbdsl.backends.driver_link import (
         DriverLink,
         DriverLinkFactory,
         Endpoint,
         Setup,
         StagingLink,
-        require_drivers,
     )
-    from cbdsl.backends.drivers.real_time import RealTime
-    from cbdsl.backends.drivers.sample import (
+    from cbdsl.backends.driver_sample import (
         CameraSample,
         Command,
         DescriptionSample,
@@ -39,19 +35,26 @@ if TYPE_CHECKING:
         StopSample,
         WrenchSample,
     )
-    from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
+    from cbdsl.backends.engines import extra_advice
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.driver import Driver, absolute
     from cbdsl.documents.robot import RobotDocument
+    from cbdsl.kinematics.self_contacts import SelfContacts
+    from cbdsl.numeric.arrays import Booleans
     from cbdsl.robot.driver_addresses import addresses
-    from cbdsl.robot.driver_kind import DriverKind, Problem
-    from cbdsl.robot.stopping_time import horizon, stopping_lines
+    from cbdsl.robot.driver_kind import DRIVERS, DriverKind, Problem
+    from cbdsl.robot.stopping_time import acceleration, horizon, stopping_lines, stopping_times
+    from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel
+    from cbdsl.robot.urdf_reader import parse_urdf
 
 __all__ = [
-    "BackendError", "CameraSample", "Command", "DescriptionSample", "Driver", "DriverKind",
-    "DriverLink", "DriverLinkFactory", "Endpoint", "FaultSample", "ImageSample", "JointLimits",
-    "JointSample", "Problem", "PublishersSample", "RealTime", "RegionsSample", "RobotDocument",
-    "Sample", "Setup", "StagingLink", "StopSample", "Watchdog", "WatchdogPhase", "WrenchSample",
-    "absolute", "addresses", "horizon", "joint_limits", "require_drivers", "stopping_lines",
+    "DRIVERS", "BackendError", "Booleans", "CameraSample", "Command", "DescriptionSample",
+    "Driver", "DriverKind", "DriverLink", "DriverLinkFactory", "Endpoint", "FaultSample",
+    "ImageSample", "JointSample", "Problem", "PublishersSample", "RegionsSample",
+    "RobotDocument", "Sample", "SelfContacts", "Setup", "StagingLink", "StopSample",
+    "UrdfError", "UrdfJoint", "UrdfModel", "UsageError", "WrenchSample", "absolute",
+    "acceleration", "addresses", "extra_advice", "horizon", "parse_urdf", "stopping_lines",
+    "stopping_times",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

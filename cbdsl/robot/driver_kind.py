@@ -20,7 +20,7 @@ class DriverKind(NamedTuple):
         name: Name in robot documents.
         summary: Transport, as a phrase.
         problems: Values of a driver's section that this kind cannot use.
-        link: ``module:function`` that opens drivers; see ``cbdsl.backends.drivers.link``.
+        link: ``module:function`` that opens drivers; see ``cbdsl.extend.driver``.
     """
 
     name: str

@@ -124,5 +124,5 @@ def test_row_of_a_served_robot_depends_on_drivers_and_on_ros2(
     row_digests._code.cache_clear()
     row_digests._world.__wrapped__("mujoco", driven=True)
     row_digests._code.cache_clear()
-    for file in ("backends/drivers/motion_watch.py", "cbdsl_ros2/ros2_link.py", "mujoco/engine.py"):
+    for file in ("cbdsl_drive/motion_watch.py", "cbdsl_ros2/ros2_link.py", "mujoco/engine.py"):
         assert any(each.endswith(file) for each in files), file

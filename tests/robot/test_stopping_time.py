@@ -8,7 +8,7 @@ import pytest
 
 from cbdsl.robot.stopping_time import stopping_lines, stopping_time
 from cbdsl.robot.urdf_reader import parse_urdf
-from tests.backends.drivers.conftest import URDF, robot
+from tests.driven_robot import URDF, robot
 
 
 @pytest.mark.parametrize(

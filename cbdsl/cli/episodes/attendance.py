@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
+from itertools import islice
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.api.simulation.rehearsal import rehearse
 from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
@@ -29,6 +30,10 @@ Interface = Annotated[
         help="Real robot: network interface [loopback, invisible to other computers].",
     ),
 ]
+
+
+# Ticks of a rehearsal: half a minute of the kinematic engine's time.
+_TICKS = 600
 
 
 class TerminalPerson:
@@ -82,3 +87,31 @@ def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str |
     elif yes or interface is not None:
         option = "--yes" if yes else "--interface"
         raise UsageError(f"{option} is for a real robot, such as with --backend ros2")
+
+
+def rehearse(request: RunRequest, seed: int = 0) -> None:
+    """Run a program on the kinematic engine, which loads the compiled functions that it calls.
+
+    Machine code that is loaded within a control tick would break the deadline of a real robot. A
+    program that cannot run there is not rehearsed.
+
+    Args:
+        request: Program, robot and stage.
+        seed: Seed of the episode.
+    """
+    import scipy.optimize  # noqa: F401 (causes of rest need it, which a rehearsal may lack)
+
+    from cbdsl.backends.backend import embody
+    from cbdsl.kinematics.kinematics import Kinematics
+    from cbdsl.numeric.compiled import load_kept
+    from cbdsl.runtime.episode import Runner
+
+    with contextlib.suppress(UsageError):
+        simulated = embody("kinematic", request.robot, request.urdf)
+        with contextlib.closing(simulated):
+            kinematics = Kinematics(request.robot, request.urdf)
+            runner = Runner(request.robot, kinematics, request.program, simulated)
+            for _ in islice(runner.ticks(request.stage, seed), _TICKS):
+                pass
+    # The rehearsal may have ended before the program's last states.
+    load_kept()

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from cbdsl.backends.drivers.link import DriverLink
+from cbdsl.backends.driver_link import DriverLink
 from cbdsl.documents.driver import Driver
 from cbdsl.robot.driver_kind import DRIVERS
 

@@ -10,18 +10,12 @@ from typing import Any
 import numpy as np
 
 from cbdsl.extend.backend import Joints, read_fitting
-from cbdsl.extend.driver import (
-    BackendError,
-    Driver,
-    JointLimits,
-    RealTime,
-    RobotDocument,
-    Watchdog,
-    WatchdogPhase,
-    absolute,
-    joint_limits,
-    require_drivers,
-)
+from cbdsl.extend.driver import BackendError, Driver, RobotDocument, absolute
+from cbdsl_drive.joint_limits import joint_limits
+from cbdsl_drive.limiter import JointLimits
+from cbdsl_drive.links import require_drivers
+from cbdsl_drive.real_time import RealTime
+from cbdsl_drive.watchdog import Watchdog, WatchdogPhase
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.driver import guarded
 from cbdsl_ros2.ros_node import Remote, RosNode

@@ -24,7 +24,9 @@ from cbdsl.extend.backend import (
     embody,
     load_kept,
 )
-from cbdsl.extend.driver import Driver, RealTime, Setup, require_drivers
+from cbdsl.extend.driver import Driver, Setup
+from cbdsl_drive.links import require_drivers
+from cbdsl_drive.real_time import RealTime
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.follower import Follower
 from cbdsl_ros2.injected_faults import Faults

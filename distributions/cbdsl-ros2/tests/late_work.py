@@ -14,8 +14,8 @@ from typing import Any
 
 from numba.core import event
 
-from cbdsl.backends.drivers.backend import DrivenBackend
-from cbdsl.backends.drivers.safety_supervisor import State
+from cbdsl_drive.backend import DrivenBackend
+from cbdsl_drive.safety_supervisor import State
 from cbdsl_ros2.topic_server import Moment, RobotServer
 
 

@@ -9,12 +9,12 @@ import pytest
 
 pytest.importorskip("cyclonedds")
 
-from cbdsl.backends.drivers.sample import FaultSample
-from cbdsl.backends.drivers.survey import survey_problems
+from cbdsl.extend.driver import FaultSample
+from cbdsl_drive.survey import survey_problems
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.ros2_link import Ros2Link
 from cbdsl_ros2.ros_node import RosNode
-from tests.backends.drivers.conftest import robot
+from tests.driven_robot import robot
 
 ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(1, 7)
 ACTION = "/hand/gripper_cmd"

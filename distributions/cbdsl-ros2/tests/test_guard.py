@@ -18,7 +18,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.guard import Guard
 from cbdsl_ros2.ros_node import RosNode
-from tests.backends.drivers.conftest import URDF, robot
+from tests.driven_robot import URDF, robot
 
 _PATIENCE = 5.0
 NAMES = ["j2", "j1"]

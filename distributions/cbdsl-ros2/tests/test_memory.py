@@ -15,10 +15,10 @@ pytest.importorskip("cyclonedds")
 from cbdsl.api.reading.robots import read_robot, read_stage
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.backends.backend import embody
-from cbdsl.backends.drivers.sample import Command
-from cbdsl.backends.drivers.views import with_views
+from cbdsl.extend.driver import Command
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
+from cbdsl_drive.views import with_views
 from cbdsl_ros2.dds_types import JointState
 from cbdsl_ros2.ros2_link import Ros2Link
 from cbdsl_ros2.ros_node import RosNode

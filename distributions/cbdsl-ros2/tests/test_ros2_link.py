@@ -14,12 +14,12 @@ pytest.importorskip("cyclonedds")
 from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
 
-from cbdsl.backends.drivers.sample import FaultSample, PublishersSample, Sample, StopSample
-from cbdsl.backends.drivers.survey import survey_problems
+from cbdsl.extend.driver import FaultSample, PublishersSample, Sample, StopSample
+from cbdsl_drive.survey import survey_problems
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.ros2_link import Ros2Link
 from cbdsl_ros2.ros_node import RosNode
-from tests.backends.drivers.conftest import robot
+from tests.driven_robot import robot
 
 _PATIENCE = 5.0
 DOCUMENT = robot(stop="/stop")

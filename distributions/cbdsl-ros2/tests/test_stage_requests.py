@@ -11,8 +11,8 @@ import pytest
 pytest.importorskip("cyclonedds")
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.drivers.link import Setup
 from cbdsl.documents.stage import StageDocument
+from cbdsl.extend.driver import Setup
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.ros_node import RosNode
 from cbdsl_ros2.stage_requests import REQUESTS, StageAsker, StageSetter, generator

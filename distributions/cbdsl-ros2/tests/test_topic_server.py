@@ -11,7 +11,7 @@ pytest.importorskip("cyclonedds")
 
 from cbdsl.api.reading.robots import read_robot, read_stage
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.drivers.link import Setup
+from cbdsl.extend.driver import Setup
 from cbdsl.robot.joints import Joints
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.ros_node import RosNode

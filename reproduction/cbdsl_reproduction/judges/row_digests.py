@@ -88,10 +88,10 @@ def _world(engine: str, *, driven: bool) -> str:
     """Return the digest of a simulated world, and of the drivers of a robot that is served."""
     if not driven:
         return _code((*_WORLD, f"backends/{engine}"))
-    spec = find_spec("cbdsl_ros2")
-    folders = [] if spec is None else map(Path, spec.submodule_search_locations or ())
+    specs = [spec for name in ("cbdsl_drive", "cbdsl_ros2") if (spec := find_spec(name))]
+    folders = [Path(each) for spec in specs for each in spec.submodule_search_locations or ()]
     served = _files(file for folder in folders for file in folder.rglob("*.py"))
-    packages = _code((*_WORLD, f"backends/{engine}", "backends/drivers", "robot"))
+    packages = _code((*_WORLD, f"backends/{engine}", "robot"))
     return digest_of_text(packages + served)[:_LENGTH]
 
 

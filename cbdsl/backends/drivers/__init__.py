@@ -1,1 +1,0 @@
-"""Backend of a real robot: state machine, limits and sensors, for any transport."""

@@ -1,0 +1,1 @@
+"""Backend of real robots, and the supervisor that holds them."""
