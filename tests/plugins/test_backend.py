@@ -26,7 +26,7 @@ def test_plugin_backend_is_listed(
     assert cb(monkeypatch, "show", "backends", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     summary = "Joints without errors; see ``cbdsl.extend.backend.Backend``."
-    assert shown[-1] == {"backend": "ideal", "package": "demo 1.0", "summary": summary}
+    assert {"backend": "ideal", "package": "demo 1.0", "summary": summary} in shown
     assert [each["backend"] for each in shown[:-1]] == [*BACKENDS.builtins, "follower"]
 
 
