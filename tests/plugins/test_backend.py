@@ -27,7 +27,8 @@ def test_plugin_backend_is_listed(
     shown = json.loads(capsys.readouterr().out)
     summary = "Joints without errors; see ``cbdsl.extend.backend.Backend``."
     assert {"backend": "ideal", "package": "demo 1.0", "summary": summary} in shown
-    assert [each["backend"] for each in shown[:-1]] == [*BACKENDS.builtins, "follower"]
+    names = [each["backend"] for each in shown]
+    assert names == [*BACKENDS.builtins, "follower", "ideal", "ros2"]
 
 
 def test_broken_plugin_backend_is_named_and_others_work(

@@ -441,7 +441,7 @@ class Trial:
     def _violations(self, sent: Floats) -> int:
         """Return how many commands break a limit, shape (commands, n)."""
         from cbdsl.extend.backend import read_fitting
-        from cbdsl.extend.driver import joint_limits
+        from cbdsl_drive.joint_limits import joint_limits
 
         if len(sent) < 3:
             return 0
