@@ -109,6 +109,10 @@ class SimulatedBackend(Generic[SomeEngine]):
             raise BackendError("ideal cameras make no images; 'rendered' ones do")
         return self._cameras
 
+    def look_for(self, channels: Collection[str]) -> None:
+        """Look for regions of other channels from now on."""
+        self._cameras.look_for(channels)
+
     def colors_in_view(self) -> tuple[str, ...]:
         """Return the named colours that any camera sees now, without noise."""
         return () if self._is_dark() else self._cameras.colors()

@@ -8,6 +8,7 @@ from typing import Protocol, TypeVar
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.runtime.action_levels import ActionLevels, Active
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 
 
 class ChildRun(Protocol):
@@ -40,7 +41,7 @@ class ActionRuns:
         levels: ActionLevels,
         children: Mapping[str, ChildRun],
         plan: ControllerPlan,
-        slots: slice,
+        slots: Sequence[int],
         conditions: Mapping[str, int],
     ) -> None:
         self._program, self._levels, self._children = program, levels, children
@@ -52,7 +53,15 @@ class ActionRuns:
         self._all: Sequence[Active] = ()
         # Codes of the predicates at the last reading, and the state read from them.
         self._noted, self._reading = b"", ""
+        # Controllers and child that an edited program has taken over with an action of before.
+        self._taken_over: tuple[Sequence[ControllerRun], ChildRun | None] = (), None
         self.forget()
+
+    def succeed(self, before: ActionRuns, action: Action) -> None:
+        """Take over what runs in an action of the program of before, until another one starts."""
+        before._plan.conditions.watch((), before._numbers(action))
+        runs = before._levels.stacks.get(action.name, ())
+        self._taken_over = runs, before._children.get(action.name)
 
     def forget(self) -> None:
         """Compose the levels again, because the run begins."""
@@ -63,8 +72,11 @@ class ActionRuns:
         """Start an action in place of another one, if any."""
         self._plan.conditions.watch(self._numbers(action), self._numbers(before))
         self._noted = b""  # the members of the other action are read anew
+        self._leave(*self._taken_over, action)
+        self._taken_over = (), None
         if before is not None:
-            self._leave(before, action)
+            runs = self._levels.stacks.get(before.name, ())
+            self._leave(runs, self._children.get(before.name), action)
         child = self._children.get(action.name)
         if child is not None and action.composition is None:
             child.activate()
@@ -91,13 +103,12 @@ class ActionRuns:
         acts = "0" in state[: self._acting]
         return acts or any(run.seeking for run in self._levels.stacks[action.name])
 
-    def _leave(self, before: Action, after: Action) -> None:
-        child = self._children.get(before.name)
+    def _leave(self, runs: Sequence[ControllerRun], child: ChildRun | None, after: Action) -> None:
         if child is not None and child is not self._children.get(after.name):
             child.deactivate()
         # Controllers of both actions go on without interruption.
         kept = self._levels.stacks.get(after.name, ())
-        for run in self._levels.stacks.get(before.name, ()):
+        for run in runs:
             if run not in kept:
                 run.deactivate()
 

@@ -109,9 +109,14 @@ class Actuation:
         )
         self._steps = _encoder_steps(robot, signals.joints.names)
         self.reference: Floats = np.zeros(len(signals.joints))
-        self.load_guards = LoadGuards(guards, signals, period)
-        self.clearance = Clearance(guards.clearance, signals, period)
+        self.guard(guards)
+
+    def guard(self, guards: Guards) -> None:
+        """Bound loads and distances by other guards from now on."""
+        self.load_guards = LoadGuards(guards, self._signals, self._period)
+        self.clearance = Clearance(guards.clearance, self._signals, self._period)
         self._batches: dict[_Acting, ControllerBatch] = {}
+        self._forget()
 
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""

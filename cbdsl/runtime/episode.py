@@ -20,6 +20,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.ending import (
@@ -106,6 +107,31 @@ class Runner:
         self._before: Runner | None = None
         self._goes_on = False
         self._ticks, self._time = 0, 0.0
+        self._observer = _SILENT
+
+    def offer(self, program: CheckedProgram) -> None:
+        """Go on as an edited program from the next change of state; call it between ticks.
+
+        The world, the references and the memories of objects stay. Observers are notified when
+        the program or one that it uses is replaced.
+
+        Args:
+            program: Program without a schema, checked for the same robot.
+        """
+        self.signals.follow(resources_of(program))
+        look_for = getattr(self._backend, "look_for", None)
+        if look_for is not None:
+            look_for(self.signals.vision.channels)
+        self._run.offer(program, self._note_edit)
+        if self._run.predicate != "0":
+            self._run.deactivate()
+
+    def _note_edit(self, edit: EditTaken) -> None:
+        if edit.depth == 0:
+            if edit.program.all_guards != self._program.all_guards:
+                self._actuation.guard(edit.program.all_guards)
+            self._program = edit.program
+        self._observer.note_edit(edit)
 
     def run(
         self,
@@ -163,6 +189,7 @@ class Runner:
         """
         began = time.perf_counter()
         begun: _Begun | None = None
+        self._observer = observer
         observer.begin(self._program, stage.name, seed)
         try:
             # The world and the program draw from separate streams, so that a program that draws

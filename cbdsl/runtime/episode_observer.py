@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.tick import Tick
@@ -22,6 +23,9 @@ class EpisodeObserver:
 
     def note_transition(self, transition: Transition) -> None:
         """Note that the state of a program changed."""
+
+    def note_edit(self, edit: EditTaken) -> None:
+        """Note that an edited program has replaced one that runs."""
 
     def note_tick(self, tick: Tick) -> None:
         """Note that a control tick is over, before its references are applied."""
@@ -49,6 +53,11 @@ class EpisodeObservers(EpisodeObserver):
         """Pass a transition on."""
         for observer in self._observers:
             observer.note_transition(transition)
+
+    def note_edit(self, edit: EditTaken) -> None:
+        """Pass the edit of a program on."""
+        for observer in self._observers:
+            observer.note_edit(edit)
 
     def note_tick(self, tick: Tick) -> None:
         """Pass a tick on."""

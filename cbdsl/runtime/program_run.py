@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 import numpy as np
 
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.edit import EditTaken, continuation
 from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition, title_of
 from cbdsl.robot.channel_names import named_colors
@@ -57,21 +58,28 @@ class ProgramRun:
         depth: int = 0,
         use: str = "",
     ) -> None:
-        self.program = program
-        self._use, self._title = use, title_of(program.name, use)
-        self._signals = signals
-        self._period = period
-        self._depth = depth
+        self._use, self._depth = use, depth
+        self._signals, self._plan, self._period = signals, plan, period
+        self._controllers = ControllerRuns(signals, plan, period)
+        self.children: dict[str, ProgramRun] = {}
+        self._rng: np.random.Generator | None = None
+        self._offered: CheckedProgram | None = None
+        self.predicate = "X"
+        self._load(program)
+        self._policy = self._written
+
+    def _load(self, program: CheckedProgram) -> None:
+        """Build the parts of a program; controllers and programs that it had before are kept."""
+        signals, plan, period = self._signals, self._plan, self._period
+        self.program, self._title = program, title_of(program.name, self._use)
         schema = program.schema
         self._context = None if schema is None else ContextReader(schema, signals)
         self._written = own_policy(program)
         # An action of a schema is chosen by its abstract action and allocation, or by its own name.
         self._actions = {(action.name, ""): action for action in program.actions}
         self._actions |= {(each.abstract, each.allocation): each for each in program.actions}
-        # The slots of this program are contiguous, because those of its children are added after
-        # them.
-        first = len(plan.slots)
-        make = ControllerRuns(signals, plan, period)
+        kept, make = self.children, self._controllers.successor()
+        self._controllers = make
         self._levels = ActionLevels(program, make)
         self._lost = LostObjects(program, signals.vision, signals.robot.vision.channels.aliases)
         make.aim()
@@ -80,15 +88,15 @@ class ProgramRun:
             name: plan.conditions.add(each, {r: signals.bind(r) for r in each.resources}, period)
             for name, each in program.conditions.items()
         }
-        self.children = subprogram_runs(program, partial(self._inner, signals, plan))
+        self.children = subprogram_runs(program, partial(self._inner, kept))
         looks = {
-            feature: self._inner(signals, plan, look.program, f"look for {feature}")
+            feature: self._inner(kept, look.program, f"look for {feature}")
             for feature, look in program.looks.items()
         }
         self._looks = FeatureLooks(looks, self._context)
         # These keys differ from all names of actions, because they consist of several words.
         self.children |= {f"look for {feature}": each for feature, each in looks.items()}
-        slots = slice(first, first + len(self.runs))
+        slots = [run.slot for run in self.runs]
         self._running = ActionRuns(program, self._levels, self.children, plan, slots, conditions)
         self._rewards = Rewards(program, self._levels, self.children)
         self._clock = ActionClock(program, period)
@@ -107,7 +115,7 @@ class ProgramRun:
             listener: Listener that receives each transition, also of programs used as actions.
             policy: Policy that chooses the actions in place of the program's written policy.
         """
-        self._listener = listener
+        self._listener, self._rng = listener, rng
         self._policy = policy or self._written
         # A learner learns to be rewarded, so a reward ends its episodes.
         self._reward_ends = self.program.reward_ends or policy is not None
@@ -118,6 +126,71 @@ class ProgramRun:
             child.begin(rng, listener)
         self.deactivate()
 
+    def offer(self, program: CheckedProgram, listener: Callable[[EditTaken], None]) -> None:
+        """Go on as an edited program from the next change of state, or now if it is idle.
+
+        Its subprograms do so at their own changes. Controllers that stay the same go on.
+
+        Args:
+            program: Edited program for the same robot; without a schema.
+            listener: Listener that receives each program that is replaced.
+        """
+        self._offered = None if program == self.program else program
+        self._on_edit = listener
+        for action in program.actions:
+            child = self.children.get(action.name)
+            if child is not None and action.program is not None:
+                child.offer(action.program, listener)
+        if self.predicate == "X":
+            self._replace()
+
+    def _replace(self, note: str = "it begins with its first step") -> None:
+        """Become the offered program, if any."""
+        program, self._offered = self._offered, None
+        if program is None:
+            return
+        known, followed = set(self.runs), self._policy is self._written
+        self._load(program)
+        if followed:
+            self._policy = self._written
+        if self._rng is None:
+            return  # no episode has begun
+        for run in self.runs:
+            if run not in known:
+                run.begin(self._rng)
+        for child in self.children.values():
+            if child._rng is None:
+                child.begin(self._rng, self._listener)
+        self._policy.begin()
+        self._reward_ends = program.reward_ends or not followed
+        for run in self.background if self.predicate == "0" else ():
+            run.activate()
+        self._on_edit(EditTaken(program, self._title, self._depth, self._signals.time, note))
+
+    def _take_up(self, *, changed: bool) -> bool:
+        """Become the offered program at a change of state; return whether its exits decide."""
+        before, action, running = self.program, self._action, self._running
+        assert self._offered is not None
+        assert action is not None
+        child = self.children.get(action.name)
+        ran = None if child is None else child.program
+        to = continuation(before, self._offered, action, ran, changed=changed)
+        letters = dict(zip(before.members, self.state, strict=True))
+        clock = self._clock
+        self._replace(to.note)
+        self._clock.succeed(clock)
+        self._running.succeed(running, action)
+        if to.decides:
+            self.state = "".join(letters.get(each, "X") for each in self.program.members)
+            self._action = self._actions[to.action, ""]
+            return True
+        self.state, self._action = "X" * len(self.program.members), None
+        if to.action:
+            self._begin_action(Choice(to.action), NO_FEATURES, changed=True)
+        else:
+            self._choose(changed=True)
+        return False
+
     def deactivate(self) -> None:
         """Stop, and forget the activation."""
         for run in self.runs:
@@ -125,6 +198,7 @@ class ProgramRun:
         for child in self.children.values():
             child.deactivate()
         self.predicate = "X"
+        self._replace()
         self.state = "X" * len(self.program.members)
         self.ending = self.outcome = ""
         self.rewarded = False
@@ -210,15 +284,22 @@ class ProgramRun:
         if names is not None:
             self._composed = self._levels.of_stack(stack)
             return
-        self._composed, self.state = None, "X" * len(self.program.members)
+        self._composed = None
+        self._replace()
+        self.state = "X" * len(self.program.members)
         self._choose(changed=True)
 
     def _inner(
-        self, signals: Signals, plan: ControllerPlan, program: CheckedProgram, name: str
+        self, kept: Mapping[str, ProgramRun], program: CheckedProgram, name: str
     ) -> ProgramRun:
-        """Return the run of a program that is used under a name."""
+        """Return the run of a program that is used under a name; one of before goes on."""
         use = f"{self._use}.{name}" if self._use else name
-        return ProgramRun(program, signals, plan, self._period, self._depth + 1, use)
+        for each in kept.values():
+            if each._use == use:
+                each.offer(program, self._on_edit)
+                return each
+        signals, plan, period = self._signals, self._plan, self._period
+        return ProgramRun(program, signals, plan, period, self._depth + 1, use)
 
     @property
     def succeeded(self) -> bool:
@@ -307,7 +388,9 @@ class ProgramRun:
         assert self._action is not None
         changed = state != self.state
         rewarding = self._rewards.rewarding(self._action, self.state, state)
-        conclusion = self._rewards.conclusion(state, self.stuck)
+        # An edited program decides instead.
+        is_edited = self._offered is not None
+        conclusion = None if is_edited else self._rewards.conclusion(state, self.stuck)
         self.transitions += 1
         self._listener(
             Transition(
@@ -328,6 +411,10 @@ class ProgramRun:
         )
         self.state = state
         self.rewarded |= bool(rewarding)
+        if is_edited:
+            if not self._take_up(changed=changed):
+                return
+            conclusion, state = self._rewards.conclusion(self.state, self.stuck), self.state
         # A stated success or failure has precedence over a reward and over the number of
         # transitions.
         if conclusion is not None:

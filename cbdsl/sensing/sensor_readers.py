@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
@@ -39,10 +41,9 @@ class SensorReaders:
         resources: tuple[Resource, ...],
     ) -> None:
         self._robot = robot
-        channels = [channel for each in resources for channel in channels_of(each.source)]
         self.touch = Touch(robot, kinematics, tips)
         self.strain = Strain(robot.joint_torques, kinematics)
-        self.vision = Vision(robot, kinematics, channels)
+        self.vision = Vision(robot, kinematics, _channels(resources))
         self.sight = VisualSignals(robot, kinematics, self.vision, tips, self.touch)
         self.distances = Distances(robot, kinematics, self.sight)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
@@ -52,6 +53,12 @@ class SensorReaders:
         self.marks = Marks(robot, kinematics, self.vision, resources)
         # These readers follow the objects that vision has matched.
         self._followers = (self.blobs, self.surfaces, self.solids, self.novelty, self.marks)
+
+    def follow(self, resources: tuple[Resource, ...]) -> None:
+        """Follow more resources from now on; the memories of the others stay."""
+        self.vision.look_for(_channels(resources))
+        for reader in self._followers:
+            reader.follow(resources)
 
     def reset(self) -> None:
         """Forget the previous episode."""
@@ -95,3 +102,8 @@ class SensorReaders:
             self.vision.touched()
         else:
             self.vision.untouched()
+
+
+def _channels(resources: Iterable[Resource]) -> Iterator[str]:
+    """Yield the channels of resources."""
+    return (channel for each in resources for channel in channels_of(each.source))

@@ -83,6 +83,10 @@ class Signals:
         )
         self.reset()
 
+    def follow(self, resources: Iterable[Resource]) -> None:
+        """Sense more resources from now on; the memories of the others stay."""
+        self.sensors.follow(tuple(_with_features(resources)))
+
     def reset(self) -> None:
         """Forget the previous episode."""
         self.sensors.reset()

@@ -103,7 +103,7 @@ class ControllerRun:
     def aim(self, row: int) -> None:
         """Let contacts count only at the seen object of a row of the signal table."""
         self._record["object"] = row
-        self.needs = (*self.needs, row)
+        self.needs = tuple(dict.fromkeys((*self.needs, row)))
 
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode with ``rng`` as the source of all samples."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.control.plan import ControllerPlan
@@ -78,11 +78,19 @@ class ControllerRuns:
     def __init__(self, signals: Signals, plan: ControllerPlan, period: float) -> None:
         self._context = signals, plan, period
         self._runs: dict[Controller, ControllerRun] = {}
+        self._before: Mapping[Controller, ControllerRun] = {}
+
+    def successor(self) -> ControllerRuns:
+        """Return a factory that goes on with the runs of this one where controllers are equal."""
+        after = ControllerRuns(*self._context)
+        after._before = self._runs
+        return after
 
     def run(self, controller: Controller) -> ControllerRun:
         """Return the run of a controller."""
         if controller not in self._runs:
-            self._runs[controller] = ControllerRun(controller, *self._context)
+            kept = self._before.get(controller)
+            self._runs[controller] = kept or ControllerRun(controller, *self._context)
         return self._runs[controller]
 
     def stack(self, composition: Composition) -> tuple[ControllerRun, ...]:

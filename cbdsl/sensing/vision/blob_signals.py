@@ -88,12 +88,17 @@ class BlobSignals:
         resources: Iterable[Resource],
     ) -> None:
         self._robot, self._vision, self._sight = robot, vision, sight
-        self._followed = {
+        self._followed: set[tuple[str, str, str]] = set()
+        self.follow(resources)
+        self.reset()
+
+    def follow(self, resources: Iterable[Resource]) -> None:
+        """Follow the blobs of more resources from now on."""
+        self._followed |= {
             (source.camera, source.channel, source.instance)
             for source in sources_of(resources, BlobSignal)
             if source.part == "velocity"
         }
-        self.reset()
 
     def reset(self) -> None:
         """Forget the episode before."""

@@ -52,10 +52,16 @@ class ChosenHeadings(ABC, Generic[Chosen]):
         resources: Iterable[Resource],
     ) -> None:
         self._robot, self._kinematics, self._vision = robot, kinematics, vision
-        self._sources: tuple[Chosen, ...] = sources_of(resources, self.kind)
+        self._sources: tuple[Chosen, ...] = ()
+        self.follow(resources)
         self._linger = robot.vision.regions.linger
         self._places = {name: place for place, name in enumerate(robot.main_cameras)}
         self.reset()
+
+    def follow(self, resources: Iterable[Resource]) -> None:
+        """Follow the headings of more resources from now on."""
+        more = sources_of(resources, self.kind)
+        self._sources = tuple(dict.fromkeys((*self._sources, *more)))
 
     def reset(self) -> None:
         """Forget the episode before."""

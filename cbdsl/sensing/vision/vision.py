@@ -86,30 +86,40 @@ class Vision:
     ) -> None:
         # The main cameras come first; their number is that of the rows of ``Instances``.
         self._cameras: Mapping[str, Camera] = {**robot.main_cameras, **robot.cameras}
-        main = self._main = len(robot.main_cameras)
+        self._main = len(robot.main_cameras)
         self._lenses = {
             name: np.array((each.width, each.height, each.focal_length), dtype=float)
             for name, each in self._cameras.items()
         }
         self._links = tuple([camera.link for camera in self._cameras.values()])
         self._kinematics = kinematics
-        settings = self._settings = robot.vision.regions
-        self.channels = tuple(dict.fromkeys(channels))
-        self._filters = {
-            name: ChannelFilter(robot.vision.channels, self.channels, settings.least_area)
-            for name in robot.cameras
-        }
+        self._settings, self._divided = robot.vision.regions, robot.vision.channels
         self.field = FieldOfView(robot, kinematics)
         self._history = PostureHistory()
-        self.instances = {name: Instances(settings, self.field, main) for name in self.channels}
-        # Sightings of all cameras in the newest images, by channel and number of the object.
-        self._sightings: dict[str, list[dict[int, Sighting]]] = {
-            name: [*each.sightings, *({} for _ in range(main, len(self._cameras)))]
-            for name, each in self.instances.items()
-        }
         self._rows = {name: row for row, name in enumerate(self._cameras)}
-        self.all_memories = tuple(m for each in self.instances.values() for m in each.memories)
+        self.channels: tuple[str, ...] = ()
+        self.instances: dict[str, Instances] = {}
+        # Sightings of all cameras in the newest images, by channel and number of the object.
+        self._sightings: dict[str, list[dict[int, Sighting]]] = {}
+        self._filters: dict[str, ChannelFilter] = {}
+        self.look_for(channels)
         self.reset()
+
+    def look_for(self, channels: Iterable[str]) -> None:
+        """Look for more channels from now on; memories of the others stay."""
+        more = [each for each in dict.fromkeys(channels) if each not in self.instances]
+        if self._filters and not more:
+            return
+        self.channels = (*self.channels, *more)
+        self._filters = {
+            name: ChannelFilter(self._divided, self.channels, self._settings.least_area)
+            for name in self._cameras
+        }
+        for name in more:
+            own = self.instances[name] = Instances(self._settings, self.field, self._main)
+            others = range(self._main, len(self._cameras))
+            self._sightings[name] = [*own.sightings, *({} for _ in others)]
+        self.all_memories = tuple(m for each in self.instances.values() for m in each.memories)
 
     def reset(self) -> None:
         """Forget everything seen."""

@@ -39,10 +39,18 @@ class SolidSignals:
         resources: Iterable[Resource],
     ) -> None:
         self._robot, self._vision, self._touch = robot, vision, touch
-        sources = list(sources_of(resources, SolidSignal))
-        self._solids = {source.pair: Solid() for source in sources}
-        effectors = {source.effector for source in sources if source.effector}
-        self._starts = {name: start_place(robot, kinematics, name) for name in effectors}
+        self._kinematics = kinematics
+        self._solids: dict[tuple[str, str], Solid] = {}
+        self._starts: dict[str, Floats] = {}
+        self.follow(resources)
+
+    def follow(self, resources: Iterable[Resource]) -> None:
+        """Follow the sizes of more resources from now on."""
+        for source in sources_of(resources, SolidSignal):
+            self._solids.setdefault(source.pair, Solid())
+            name = source.effector
+            if name and name not in self._starts:
+                self._starts[name] = start_place(self._robot, self._kinematics, name)
 
     def reset(self) -> None:
         """Forget the previous episode."""

@@ -28,8 +28,13 @@ class Surfaces:
         resources: Iterable[Resource],
     ) -> None:
         self._robot, self._vision = robot, vision
-        sources = sources_of(resources, SurfacePoint)
-        self.by_channel = {source.channel: LevelSurface() for source in sources}
+        self.by_channel: dict[str, LevelSurface] = {}
+        self.follow(resources)
+
+    def follow(self, resources: Iterable[Resource]) -> None:
+        """Follow the surfaces of more resources from now on."""
+        for source in sources_of(resources, SurfacePoint):
+            self.by_channel.setdefault(source.channel, LevelSurface())
 
     def reset(self) -> None:
         """Forget the previous episode."""
