@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, nullcontext
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, nullcontext, suppress
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,6 +20,7 @@ from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Ra
 from cbdsl.cli.episodes.attendance import Interface, Yes, attend
 from cbdsl.cli.episodes.episode_page import recorded_for, require_page
 from cbdsl.cli.episodes.live import LiveOptions, live_page
+from cbdsl.cli.episodes.program_watch import ProgramWatch, watched_program
 from cbdsl.cli.episodes.recorder import Recorder
 from cbdsl.cli.episodes.simulation import BackendName, simulation
 from cbdsl.cli.output.notes import notes
@@ -70,6 +72,12 @@ Clearance = Annotated[
         "--clearance", help="Least distance between the robot's links: 2cm [the program's]."
     ),
 ]
+Watch = Annotated[
+    bool,
+    typer.Option(
+        "--watch", help="Simulators: take up edits of the program at its next change of state."
+    ),
+]
 Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")]
 Record = Annotated[
     Path | None,
@@ -104,12 +112,14 @@ class Telling:
         explain: True to print the stack's levels.
         as_json: True for output as JSON.
         live: View that feeds the page in the browser, or ``None``.
+        watch: Watch of the program's files, or ``None``.
     """
 
     recorder: Recorder | None
     explain: bool
     as_json: bool
     live: LiveView | None = None
+    watch: ProgramWatch | None = None
 
     def print(self, result: EpisodeResult) -> None:
         """Print the outcome of an episode."""
@@ -159,13 +169,16 @@ class RunOptions:
     body: BodyNumber = None
     gui: Gui = False
     clearance: Clearance = None
+    watch: Watch = False
 
     def require_exclusive(self) -> None:
-        """Refuse two policies.
+        """Refuse two policies, and edits of a schema.
 
         Raises:
-            UsageError: The options name a policy and a schema.
+            UsageError: The options name a policy and a schema, or a schema and edits.
         """
+        if self.watch and self.schema is not None:
+            raise UsageError("--watch takes up no edits under a schema: give --schema alone")
         if self.policy is not None and self.schema is not None:
             raise UsageError("a schema names its policy: give --policy or --schema, not both")
 
@@ -200,12 +213,17 @@ class OutputOptions:
     explain: Explain = False
     as_json: Json = False
 
-    def require_exclusive(self) -> None:
+    def require_exclusive(self, *, watches: bool) -> None:
         """Refuse outputs that exclude each other, or miss another.
+
+        Args:
+            watches: True if edits change the program.
 
         Raises:
             UsageError: Some outputs do.
         """
+        if watches and (self.record is not None or self.page is not None):
+            raise UsageError("a recording holds one program: leave out --watch, or record later")
         if self.overwrite and self.record is None:
             raise UsageError("--overwrite is about recordings: give their folder with --record")
         if self.explain and self.as_json:
@@ -231,7 +249,7 @@ def run(
     neither. Exit 1 if a document has errors, 2 if the program cannot run, and 130 after Ctrl-C or
     SIGTERM, with the finished recordings.
     """
-    output.require_exclusive()
+    output.require_exclusive(watches=options.watch)
     options.require_exclusive()
     live.require_page()
     request = options.request(program)
@@ -246,6 +264,8 @@ def run(
         within.enter_context(termination_interrupts())
         embodied, kinematics = within.enter_context(opened)
         attend(embodied, request, yes=yes, interface=interface)
+        if options.watch and embodied.deadline is not None:
+            raise UsageError("--watch is for simulators: reading an edit would delay a robot")
         runner = _runner(request, kinematics, embodied)
         seeds = range(options.seed, options.seed + options.episodes)
         recording = recorded_for(output.page, output.record, prints=prints)
@@ -256,13 +276,21 @@ def run(
                 folder, request, embodied, seeds, overwrite=output.overwrite, prints=names
             )
         composes = options.schema is None
-        opening = live_page(live, request, embodied, composes=composes, prints=prints)
+        shown = replace(live, live_close=live.live_close or options.watch)
+        opening = live_page(shown, request, embodied, composes=composes, prints=prints)
         view = within.enter_context(opening)
-        telling = Telling(recorder, output.explain, output.as_json, view)
+        watch = None
+        if options.watch:
+            read = partial(options.request, program)
+            watch = watched_program(request, read, runner.offer, view, prints=prints)
+        telling = Telling(recorder, output.explain, output.as_json, view, watch)
         if prints:
             print(_introduction(request, options.backend, embodied))
             print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
         tally = _run_all(runner, request, seeds, options.context, telling)
+        if watch is not None:
+            more = partial(_episode, runner, request, seeds[-1], options.context, telling)
+            _run_edits(watch, more, tally, stays=live.live and not live.live_close)
     _conclude(request, tally)
 
 
@@ -282,6 +310,18 @@ def _run_all(
     if len(seeds) > 1 and not telling.as_json:
         _summarise(tally, states_success=bool(request.program.success))
     return tally
+
+
+def _run_edits(
+    watch: ProgramWatch, episode: Callable[[], EpisodeResult], tally: EpisodeTally, *, stays: bool
+) -> None:
+    """Run the last seed again after each edit, until Ctrl-C, or report an edit that came late."""
+    if not stays and watch.is_pending:
+        watch.report("the last edit came too late for this run")
+    with suppress(KeyboardInterrupt):
+        while stays:
+            watch.wait()
+            tally.add(episode())
 
 
 def _conclude(request: RunRequest, tally: EpisodeTally) -> None:
@@ -363,6 +403,8 @@ def _observers(telling: Telling, recording: Recording | None) -> Iterator[Episod
         yield StackNarration()
     if recording is not None:
         yield recording
+    if telling.watch is not None:
+        yield telling.watch
     if telling.live is not None:
         yield telling.live
 

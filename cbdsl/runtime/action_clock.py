@@ -20,14 +20,14 @@ class ActionClock:
         self._program, self._period = program, period
         self.restart()
 
-    def succeed(self, before: ActionClock) -> None:
-        """Go on with the time of a clock of before."""
-        self._all = before._all
-
     def restart(self) -> None:
         """Begin an episode."""
         self._all = 0
         self.begin_action()
+
+    def succeed(self, before: ActionClock) -> None:
+        """Go on with the time of a clock of before."""
+        self._all = before._all
 
     def begin_action(self) -> None:
         """Begin an action."""

@@ -58,7 +58,7 @@ class ActionRuns:
         self.forget()
 
     def succeed(self, before: ActionRuns, action: Action) -> None:
-        """Take over what runs in an action of the program of before, until another one starts."""
+        """Take over the controllers of a running action, until another action starts."""
         before._plan.conditions.watch((), before._numbers(action))
         runs = before._levels.stacks.get(action.name, ())
         self._taken_over = runs, before._children.get(action.name)

@@ -41,10 +41,13 @@ class Composer:
     def begin(self, run: ProgramRun) -> None:
         """Apply the changes to the run of an episode that has begun."""
         self._run = run
+        runs = dict(named_runs(run))  # an edited program may lack some
+        self.gains = {name: gain for name, gain in self.gains.items() if name in runs}
+        self.targets = {name: goal for name, goal in self.targets.items() if name in runs}
         for name, gain in self.gains.items():
-            self._named(name).gain = gain
+            runs[name].gain = gain
         for name, target in self.targets.items():
-            self._named(name).hold_reference(np.array(target))
+            runs[name].hold_reference(np.array(target))
         if self.stack is not None:
             run.compose(self.stack)
 

@@ -64,7 +64,8 @@ class ProgramRun:
         self.children: dict[str, ProgramRun] = {}
         self._rng: np.random.Generator | None = None
         self._offered: CheckedProgram | None = None
-        self.predicate = "X"
+        self._action: Action | None = None
+        self.predicate, self.state = "X", ""
         self._load(program)
         self._policy = self._written
 
@@ -153,6 +154,7 @@ class ProgramRun:
         self._load(program)
         if followed:
             self._policy = self._written
+        self._on_edit(EditTaken(program, self._title, self._depth, self._signals.time, note))
         if self._rng is None:
             return  # no episode has begun
         for run in self.runs:
@@ -165,7 +167,6 @@ class ProgramRun:
         self._reward_ends = program.reward_ends or not followed
         for run in self.background if self.predicate == "0" else ():
             run.activate()
-        self._on_edit(EditTaken(program, self._title, self._depth, self._signals.time, note))
 
     def _take_up(self, *, changed: bool) -> bool:
         """Become the offered program at a change of state; return whether its exits decide."""
@@ -204,7 +205,7 @@ class ProgramRun:
         self.rewarded = False
         self.transitions = 0
         self.is_open = self._was_changed = False
-        self._action: Action | None = None
+        self._action = None
         self._withdraws = False
         self._looks.forget()
         self._running.forget()

@@ -90,7 +90,7 @@ class Signals:
     def reset(self) -> None:
         """Forget the previous episode."""
         self.sensors.reset()
-        self.clock[0] = 0
+        self.clock[0], self.time = 0, 0.0
 
     def resume(self, before: Signals) -> None:
         """Begin an episode at the end of another one; see ``Touch.resume``.

@@ -76,6 +76,11 @@ class Library:
             self._named.setdefault(self.real(beside), set()).add(self._files_by_name[key])
         return self._files_by_name[key]
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Files that have been read, with links resolved."""
+        return tuple(self._read)
+
     def named_in(self, path: Path) -> set[Path]:
         """Return the files named by a document that were searched for and found."""
         return {self.real(file) for file in self._named.get(self.real(path), ())}

@@ -45,7 +45,7 @@ def shuttle(
 
 
 class Editor(EpisodeObserver):
-    """Observer that offers programs at given ticks, and checks what always holds.
+    """Observer that offers programs at given ticks, and checks properties of every tick.
 
     After a change of state the last offered program runs, and no reference moves beyond the limits.
     """

@@ -7,7 +7,6 @@ from dataclasses import asdict
 
 from cbdsl.language.exit import WORDS
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
@@ -24,10 +23,6 @@ class Narration(EpisodeObserver):
     def note_tick(self, tick: Tick) -> None:
         """Note the program that runs."""
         self._program = tick.run.program
-
-    def note_edit(self, edit: EditTaken) -> None:
-        """Print where an edited program goes on."""
-        print(f"  {edit.time:6.2f} s  {'    ' * edit.depth}{edit}", flush=True)
 
     def note_transition(self, transition: Transition) -> None:
         """Print a transition."""

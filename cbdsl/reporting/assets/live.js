@@ -44,6 +44,13 @@ function episodeLine(past) {
   return lineOf(`${past.program}, seed ${past.seed}, ${past.context}: ${past.ending}`, past.rewarded ? "rewarded" : "");
 }
 
+// What became of an edit of the program's file.
+function showEdit(told) {
+  byId("edit").hidden = false;
+  byId("edit-text").textContent = told.text;
+  byId("findings").replaceChildren(...told.findings.map((each) => lineOf(each, "")));
+}
+
 // What happens when a transition is told, in the order of time, the newest on top.
 function showTransition(told) {
   const reward = told.reward ? `  ★ ${told.reward}` : "";
@@ -97,6 +104,8 @@ async function main() {
   function show() {
     const frame = newest;
     newest = null;
+    if (!frame) return;
+    byId("step-now").textContent = frame.steps.join(" › ");
     targets?.show(frame.targets);
     world?.show(frame);
     stack.show(frame);
@@ -117,7 +126,14 @@ async function main() {
       byId("before").hidden = !told.past.length;
       world?.begin(told.points);
     },
+    edit(told) {
+      byId("program").textContent = document.title = told.program;
+      members = told.members[told.program];
+      world?.setPoints(told.points);
+      byId("transitions").prepend(lineOf(told.text, "edit"));
+    },
     controllers(told) {
+      newest = null; // a frame of other controllers
       stack.begin(told);
       composer?.begin(told, byId("program").textContent);
       chart.begin(told.names);
@@ -129,6 +145,7 @@ async function main() {
       if (!newest) requestAnimationFrame(show);
       newest = told;
     },
+    watch: showEdit,
     images: showImages,
     catalog: catalog.show,
     ending: tellEnding,

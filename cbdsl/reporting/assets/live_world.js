@@ -6,16 +6,16 @@ function makeLiveWorld(links, canvas) {
   const world = makeScene(links, canvas);
   let bodies = {}, points = {}, isFramed = false;
 
-  function clear() {
+  function begin(names) {
     for (const body of Object.values(bodies)) world.scene.remove(body);
-    for (const point of Object.values(points)) world.scene.remove(point.group);
     bodies = {};
-    points = {};
-    byId("points").replaceChildren();
+    setPoints(names);
   }
 
-  function begin(names) {
-    clear();
+  function setPoints(names) {
+    for (const point of Object.values(points)) world.scene.remove(point.group);
+    points = {};
+    byId("points").replaceChildren();
     names.forEach((name, index) => { points[name] = addLivePoint(world.scene, name, index); });
     makePoints({ points: Object.values(points) }, world.draw);
   }
@@ -38,7 +38,7 @@ function makeLiveWorld(links, canvas) {
     world.draw();
   }
 
-  return { ...world, begin, add, show };
+  return { ...world, begin, setPoints, add, show };
 }
 
 // A part whose mesh came as lists.

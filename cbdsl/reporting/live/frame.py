@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.staging.world_state import WorldState
 from cbdsl.reporting.thumbnails import encoded
 from cbdsl.runtime.explanation import Explanation, TickExplanation, named_runs
+from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Resource
 
@@ -41,6 +42,7 @@ def frame(
         "bodies": {} if world is None else {name: _pose(world, name) for name in world.names()},
         "state": run.state,
         "action": "" if run.action is None else run.action.name,
+        "steps": _steps(run),
         "predicates": "".join(each.predicate for each in runs),
         "potentials": [_number(each.phi) for each in runs],
         "errors": [_number(each.error) for each in runs],
@@ -50,6 +52,15 @@ def frame(
         "limits": list(explained.at_limits),
         "guards": list(explained.guards),
     }
+
+
+def _steps(run: ProgramRun) -> list[str]:
+    """Return the step that runs, followed by those of the programs that it uses."""
+    if run.action is None:
+        return []
+    name, child = run.action.name, run.children.get(run.action.name)
+    inner = _steps(child) if child is not None and child.predicate == "0" else []
+    return [run.program.steps.get(name, name), *inner]
 
 
 def _levels(explained: TickExplanation, names: Sequence[str]) -> list[dict[str, object]]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from cbdsl.backends.staging.world_state import WorldState
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.frame import frame, images
@@ -87,6 +88,10 @@ class LiveView(EpisodeObserver):
         self._kept[lasting.kind] = lasting
         self._feed.renew(lasting)
 
+    def between_ticks(self, do: Callable[[], None]) -> None:
+        """Call a function in each tick, and about once a second while ticks are paused."""
+        self._transport.between = do
+
     def note_transition(self, transition: Transition) -> None:
         """Note a transition; see ``EpisodeObserver.note_transition``."""
         content = {
@@ -99,6 +104,24 @@ class LiveView(EpisodeObserver):
             "reward": transition.reward,
         }
         self._feed.append(message("transition", content))
+
+    def note_edit(self, edit: EditTaken) -> None:
+        """Note an edited program; see ``EpisodeObserver.note_edit``."""
+        if self._last is None:
+            return
+        run = self._last.run
+        resources = [each for each in resources_of(run.program) if not each.is_drawn]
+        self._places = [each for each in resources if is_place(each)]
+        self._names = []
+        if self._composer is not None:
+            self._composer.begin(run)
+        content = {
+            "text": f"{edit.time:.2f} s  {edit}",
+            "program": run.program.name,
+            "members": members(run.program),
+            "points": [each.name for each in self._places],
+        }
+        self._feed.append(message("edit", content))
 
     def note_tick(self, tick: Tick) -> None:
         """Note a tick; see ``EpisodeObserver.note_tick``."""

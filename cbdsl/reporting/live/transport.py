@@ -25,6 +25,9 @@ class Transport:
     Args:
         speed: Simulated seconds per second; infinite for the maximum speed.
         clock: Function that returns the wall time, s.
+
+    Attributes:
+        between: Function called in each tick, and about once a second while ticks are paused.
     """
 
     def __init__(self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter) -> None:
@@ -36,6 +39,7 @@ class Transport:
         self._asked: list[tuple[Callable[[], Any], Future[Any]]] = []
         # Wall time at which simulated time 0 was, or would have been at this speed.
         self._origin: float | None = None
+        self.between: Callable[[], None] = lambda: None
 
     @property
     def paused(self) -> bool:
@@ -110,6 +114,7 @@ class Transport:
         """
         is_shown = False
         while True:
+            self.between()
             if self._answer():
                 show()
             with self._changed:

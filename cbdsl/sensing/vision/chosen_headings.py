@@ -60,8 +60,8 @@ class ChosenHeadings(ABC, Generic[Chosen]):
 
     def follow(self, resources: Iterable[Resource]) -> None:
         """Follow the headings of more resources from now on."""
-        more = sources_of(resources, self.kind)
-        self._sources = tuple(dict.fromkeys((*self._sources, *more)))
+        more: tuple[Chosen, ...] = sources_of(resources, self.kind)
+        self._sources += tuple([each for each in more if each not in self._sources])
 
     def reset(self) -> None:
         """Forget the episode before."""

@@ -16,10 +16,12 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.program.edit import EditTaken
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_page import live_page
 from cbdsl.reporting.live.live_view import LiveView
+from cbdsl.reporting.live.page_message import message
 from cbdsl.reporting.live.page_server import LiveServer
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.transport import Transport
@@ -198,3 +200,24 @@ def select(shown: Page, element: str, value: str) -> None:
 def mouse(shown: Page, kind: str, x: float, y: float) -> None:
     shown.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1,
                clickCount=1)  # fmt: skip
+
+
+def test_page_shows_an_edit_with_its_findings_and_the_running_step(run: Run, shown: Page) -> None:
+    run.step(3, shown)
+    assert shown.text("step-now").startswith("searchtrack")
+    finding = "own.yaml:3:1: CB201 unknown key 'stpes'"
+    report = {"text": "the edit does not check (1)", "findings": [finding]}
+    run.transport.ask(lambda: run.view.keep(message("watch", report)))
+    shown.wait("document.getElementById('findings').children.length === 1")
+    assert shown.text("edit-text") == report["text"]
+    assert shown.text("findings") == finding
+
+    def edit() -> None:
+        assert run.view._last is not None
+        program = run.view._last.run.program
+        run.view.note_edit(EditTaken(program, program.name, 0, 1.0, "its exits decide"))
+
+    run.transport.ask(edit)
+    run.step(3, shown)
+    shown.wait("document.querySelector('#transitions .edit') !== null")
+    assert "takes up the edited reachtouch" in shown.text("transitions")
