@@ -141,23 +141,15 @@ class _DriverCheck:
 
     def _times(self, name: str, driver: Driver) -> None:
         """Report times that are shorter than a control period, or unsafely long."""
-        for key, longest in _LONGEST.items():
-            if (getattr(driver, key) or 0.0) > longest:
-                problem = f"{getattr(driver, key):.4g} s are more than {longest:g} s"
-                self._problem(name, (key,), problem)
         control = self._source.known(self._robot.control, "control")
-        if isinstance(control, Unknown):
-            return
-        period = 1.0 / control.rate
-        for key in ("deadline", "horizon", "stop_deadline"):
+        least = 0.0 if isinstance(control, Unknown) else 1.5 / control.rate
+        for key, longest in _LONGEST.items():
             value = getattr(driver, key)
-            if value is not None and value < 1.5 * period:
-                self._problem(
-                    name,
-                    (key,),
-                    f"{1e3 * value:.4g} ms are less than one and a half control periods, "
-                    f"{1.5e3 * period:.4g} ms",
-                )
+            if value is not None and value > longest:
+                self._problem(name, (key,), f"{value:.4g} s are more than {longest:g} s")
+            elif value is not None and key != "skew" and value < least:
+                problem = f"one and a half control periods, {1e3 * least:.4g} ms"
+                self._problem(name, (key,), f"{1e3 * value:.4g} ms are less than {problem}")
 
     def _stop(self, name: str, driver: Driver) -> None:
         """Report an emergency stop whose death or silence would stay unnoticed."""

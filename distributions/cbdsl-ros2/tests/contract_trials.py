@@ -256,14 +256,16 @@ class Trial:
             # Episode, way back, and the next episode.
             turn = 1 if settings["exchanged"] else 1 + self._seed % 3
             word = "moves" if self._node == FAST else "set up stage"
-            if all(_awaits(arm, word, program) for _ in range(turn)):
-                time.sleep(0.0 if settings["exchanged"] else float(self._rng.uniform(0.2, 1.0)))
+            # A served arm moves some time after its stage is set up.
+            later = 0.0 if self._node == FAST else 0.5
+            if all(_awaits(arm, word, program) for _ in range(turn)) and not settings["exchanged"]:
+                time.sleep(later + float(self._rng.uniform(0.2, 1.0)))
             begun = self._fault({**parts, "program": program}, cell, common)
         if self._kind.harmless and name != "no fault":
             time.sleep(1.0)
             program.terminate()
         try:
-            said = program.communicate(timeout=60)[1] or ""
+            said = program.communicate(timeout=30)[1] or ""
         except subprocess.TimeoutExpired:
             # It was not held, such as by a suspension at rest.
             program.terminate()
