@@ -39,6 +39,7 @@ def propose_robot(
     to: str | Path | None = None,
     force: bool = False,
     renew: bool = False,
+    cameras: bool = False,
 ) -> RobotProposal:
     """Write a robot document for a model in URDF, xacro or MJCF.
 
@@ -55,6 +56,8 @@ def propose_robot(
         to: Folder of the document; ``robots`` if ``None``.
         force: True to replace existing files.
         renew: True to convert the model again for a robot document, which stays as it is.
+        cameras: True to add two fixed cameras that look at a bench before the robot, to a copy of
+            the model.
 
     Raises:
         UsageError: The model cannot be read, has no movable joint, or a file exists already; with
@@ -79,7 +82,12 @@ def propose_robot(
         remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
     remarks += proposal.remarks
     written = template.write(proposal.values, force, source.files)
-    return RobotProposal(template.file, (*_models(source.files), *written), tuple(remarks))
+    models = _models(source.files)
+    if cameras:
+        from cbdsl.scaffold.eyes import add_eyes
+
+        models = (add_eyes(template.file),)
+    return RobotProposal(template.file, (*models, *written), tuple(remarks))
 
 
 def _models(files: Iterable[Path]) -> tuple[Path, ...]:

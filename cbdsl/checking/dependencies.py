@@ -22,6 +22,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import NOVEL
+from cbdsl.types.relative import ANY_ROBOT
 from cbdsl.types.resource import LIKENESS_OF, Origin, PairLikeness, Resource
 from cbdsl.types.resource_type import LIKENESS
 from cbdsl.yaml_text.loaded import Loaded
@@ -137,7 +138,7 @@ class Dependencies:
             steps: Path of the reference to it.
         """
         robot, source = self._document.robot, self._source
-        if self.robot is UNKNOWN or robot in (other, UNKNOWN) or other is UNKNOWN:
+        if self.robot is UNKNOWN or robot in (other, UNKNOWN) or other in (ANY_ROBOT, UNKNOWN):
             return True
         # Suggest only documents for this robot: any other name would be the same mistake again.
         kind, library = _KINDS[str(steps[0])], self._session.library

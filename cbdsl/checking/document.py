@@ -17,6 +17,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
 from cbdsl.storage.contents import is_file
+from cbdsl.types.relative import ANY_ROBOT
 from cbdsl.types.role import ROBOT
 from cbdsl.yaml_text.loaded import Loaded
 
@@ -78,7 +79,7 @@ def _robots(
     """Return the values that name each robot of a program: all at hand that fill its roles."""
     if not loaded.document.roles or ROBOT in values:
         return [{}]
-    from cbdsl.checking.rules.roles import fitting_robots
+    from cbdsl.checking.roles import fitting_robots
 
     return [{ROBOT: name} for name in fitting_robots(loaded, session)] or [{}]
 
@@ -105,7 +106,7 @@ def _references(loaded: Loaded[Document], session: Session, diagnostics: Diagnos
     library = session.library
     for key, kind in kind_of(type(loaded.document)).references.items():
         name, model = getattr(loaded.document, key), KINDS.get(kind).model
-        if name:
+        if name and (key, name) != (ROBOT, ANY_ROBOT):
             find_document(model, name, loaded.source.place(key), library, diagnostics)
 
 

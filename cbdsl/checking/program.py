@@ -124,7 +124,7 @@ def _examine(
         loaded = session.library.read_as_written(path, ProgramDocument)
         diagnostics.extend(loaded.diagnostics)
         if loaded.document.roles:
-            from cbdsl.checking.rules.roles import bound_program  # programs of one robot do without
+            from cbdsl.checking.roles import bound_program  # programs of one robot do without
 
             bound = bound_program(loaded, values, session, diagnostics)
             if isinstance(bound, Unknown):

@@ -130,7 +130,8 @@ class UsedPrograms:
         own = self._loaded.document
         if not used.roles:
             return {}
-        same = {name: own.parameters[name] for name in used.roles if name in own.roles}
+        chosen = {name: own.parameters[name] for name in own.roles if name in own.parameters}
+        same = {name: value for name, value in chosen.items() if name in used.roles}
         return {ROBOT: own.robot, **same}
 
     def _decided(

@@ -39,6 +39,10 @@ Renew = Annotated[
         "--renew", help="Convert a changed model again, and leave the robot's document as it is."
     ),
 ]
+Cameras = Annotated[
+    bool,
+    typer.Option("--cameras", help="Add two fixed cameras before the arm, to a copy of the model."),
+]
 Urdf = Annotated[Path, typer.Option("--urdf", help="Model of the robot: URDF, xacro or MJCF.")]
 Srdf = Annotated[
     Path | None,
@@ -87,6 +91,7 @@ def new_robot(
     to: To = None,
     force: Force = False,
     renew: Renew = False,
+    cameras: Cameras = False,
 ) -> None:
     """Write a robot for a model in URDF, xacro or MJCF.
 
@@ -104,6 +109,7 @@ def new_robot(
         to=to,
         force=force,
         renew=renew,
+        cameras=cameras,
     )
     _conclude(proposal.robot, proposal.files, proposal.remarks)
 
@@ -111,7 +117,7 @@ def new_robot(
 @new.command("stage")
 def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
     """Write a stage with a ball on a table within the robot's reach, or an empty one."""
-    from cbdsl.scaffold.bench import bench
+    from cbdsl.kinematics.bench import bench
 
     body, file = _located(robot)
     values = {"robot": body.name, **bench(body, file).values()}

@@ -1,19 +1,22 @@
 """Base of all documents: strict, immutable sections with quantities in named units."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import (
     float_schema,
     int_schema,
     no_info_before_validator_function,
+    plain_serializer_function_ser_schema,
     str_schema,
     tuple_schema,
+    with_info_wrap_validator_function,
 )
 
+from cbdsl.types.relative import Unmeasured, is_relative
 from cbdsl.types.unit import read_quantity
 
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_]*$"
@@ -31,8 +34,26 @@ class ValueSchema:
 
 def quantity(*dimensions: str, **limits: Any) -> ValueSchema:
     """Return the type of a number in SI or a text with a unit; limits are ``gt`` to ``le``."""
-    read, number = partial(read_quantity, dimensions=dimensions), float_schema(**limits)
-    return ValueSchema(no_info_before_validator_function(read, number))
+    read, number = partial(_quantity, dimensions=dimensions), float_schema(**limits)
+    write = plain_serializer_function_ser_schema(written, when_used="json")
+    return ValueSchema(with_info_wrap_validator_function(read, number, serialization=write))
+
+
+def _quantity(
+    value: Any,
+    validate: Callable[[float], float],
+    info: ValidationInfo,
+    dimensions: tuple[str, ...],
+) -> float:
+    """Read a quantity; one in terms of a robot is not a number before there is that robot."""
+    if info.context and info.context.get("relative") and is_relative(value):
+        return Unmeasured(value)
+    return validate(read_quantity(value, dimensions))
+
+
+def written(value: float) -> float | str:
+    """Return a quantity as a document writes it, in SI unless it is in terms of a robot."""
+    return value.text if isinstance(value, Unmeasured) else value
 
 
 def _several(part: ValueSchema, count: int) -> ValueSchema:
@@ -135,3 +156,8 @@ class Document(Section):
 
     alternatives: ClassVar[Mapping[str, str]] = {}
     """Keys that are required without another one, with that one."""
+
+    @classmethod
+    def is_for_any_robot(cls, data: object) -> bool:
+        """Return whether the values of a document may be in terms of a robot that it lacks."""
+        return False

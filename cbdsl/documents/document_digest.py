@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from cbdsl.documents.document import Document
 from cbdsl.storage.digest import digest_of_text
@@ -29,7 +29,8 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     """Return the SHA-256 of a document's content, in hexadecimal.
 
     The description, comments, layout and explicit default values do not change it. The content of a
-    mesh counts, and its path does not. Drivers and roles of a robot do not count.
+    mesh counts, and its path does not. Drivers, roles and values of a robot do not count;
+    values count in the programs that use them.
 
     Args:
         document: Document.
@@ -38,12 +39,14 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     # Knowledge stays valid as long as the digest of its inputs does. Omitted defaults let a new
     # optional key keep all digests, and aliases let a field change its Python name. The context
     # makes meshes count by content.
-    of_robot = {"roles"} if getattr(document, "kind", "") == "robot" else set()
+    left_out: dict[str, Any] = dict.fromkeys(("description", "drivers", *leave_out), True)
+    if getattr(document, "kind", "") == "robot":
+        left_out |= {"roles": True, "effectors": {"__all__": {"values": True}}}
     data = document.model_dump(
         mode="json",
         by_alias=True,
         exclude_defaults=True,
-        exclude={"description", "drivers", *of_robot, *leave_out},
+        exclude=left_out,
         context={"by_content": True},
     )
     # Sorted keys make the text independent of the order in the document.

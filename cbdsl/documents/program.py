@@ -239,6 +239,8 @@ class Use(Section):
     """Learned policy that replaces the written one."""
     schema_: Annotated[Name | None, Field(alias="schema")] = None
     """Schema that chooses its resources, with its own policy."""
+    otherwise: Self | None = None
+    """Use in its place on a robot that does not fill the roles of the program."""
 
 
 class Limits(Section):
@@ -325,6 +327,8 @@ class ProgramDocument(Document):
     """Robot of the program; required without ``roles``."""
     stage: Name | None = None
     """Stage to run on, unless another one is named."""
+    stages: tuple[Name, ...] = ()
+    """Stages of other robots, in place of ``stage``: the first one that suits the robot."""
     parameters: dict[Name, str] = {}
     """Names that resources and compositions may refer to as ``$name``, with default values."""
     resources: dict[Name, Annotated[dict[Name, Text], Field(min_length=1)]] = {}
@@ -369,6 +373,11 @@ class ProgramDocument(Document):
     that reads the environment, and others as conditions."""
     guards: GuardsSection = GuardsSection.model_construct()
     limits: Limits = Limits.model_construct()
+
+    @classmethod
+    def is_for_any_robot(cls, data: object) -> bool:
+        """Return whether the values of a document may be in terms of a robot that it lacks."""
+        return isinstance(data, dict) and "roles" in data
 
     @property
     def assignable(self) -> dict[str, str]:

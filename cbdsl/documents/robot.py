@@ -60,6 +60,8 @@ class Effector(Section):
     """Frame of the position and orientation of this effector."""
     postures: dict[Name, tuple[Coordinate, ...]] = {}
     """Named joint postures: an angle per joint, or a length if it slides."""
+    values: dict[Name, str] = {}
+    """Texts for programs over roles, by name: `{grip: 8 N}` is `$hand.grip` for a role `hand`."""
     start: Name | None = None
     """Posture at the start of an episode; zero within the limits if omitted."""
     count_turns: bool = False

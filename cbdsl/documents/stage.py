@@ -1,6 +1,6 @@
 """The stage document: a training context, set up by the experimenter and unseen by the robot."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     Field,
@@ -20,9 +20,11 @@ from cbdsl.documents.document import (
     Name,
     NonNegative,
     Section,
+    written,
 )
 from cbdsl.documents.form import Form
 from cbdsl.documents.kind import Kind
+from cbdsl.types.relative import ANY_ROBOT
 
 
 class Surface(Section):
@@ -62,8 +64,9 @@ class Fixture(Surface):
         return any(first != last for first, last in self.position)
 
     @field_serializer("position")
-    def _as_it_is_written(self, position: tuple[LengthSpan, ...]) -> list[float | list[float]]:
-        return [first if first == last else [first, last] for first, last in position]
+    def _as_it_is_written(self, position: tuple[LengthSpan, ...]) -> list[Any]:
+        ends = [[written(each) for each in span] for span in position]
+        return [first if first == last else [first, last] for first, last in ends]
 
 
 class ThingSection(Surface):
@@ -108,7 +111,8 @@ class StageDocument(Document):
     kind: Literal["stage"]
     """Kind of this document: a stage."""
     robot: Name
-    """Robot of the stage."""
+    """Robot of the stage. A stage for `any` robot may state lengths as sums of measures of the
+    robot: `0.4 reach`, `1.2 span`, and the top of a bench before it, `bench.x`."""
     fixtures: dict[Name, Fixture] = {}
     """Objects that do not move, by name."""
     things: dict[Name, ThingSection] = {}
@@ -117,6 +121,11 @@ class StageDocument(Document):
     """Ways to begin an episode, by name."""
     disturbance: Disturbance = Disturbance.model_construct()
     world: WorldSection = WorldSection.model_construct()
+
+    @classmethod
+    def is_for_any_robot(cls, data: object) -> bool:
+        """Return whether the values of a document may be in terms of a robot that it lacks."""
+        return isinstance(data, dict) and data.get("robot") == ANY_ROBOT
 
     @model_validator(mode="after")
     def _takes_turns_in_a_persistent_world(self) -> Self:

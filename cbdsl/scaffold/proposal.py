@@ -26,7 +26,7 @@ from typing import NamedTuple
 from cbdsl.diagnostics.counting import count, some
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.legible_text import legible, seen
-from cbdsl.kinematics.ready_posture import ReadyPosture, at_first
+from cbdsl.kinematics.ready_posture import PLACING, ReadyPosture, at_first
 from cbdsl.robot.chains import Chain, chains, root
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
 from cbdsl.robot.tip_frame import tip_offset
@@ -52,6 +52,8 @@ _PLAIN = re.compile(
 # Usual margin at the limits, rad or m, and its greatest share of a joint's range.
 _MOST_MARGIN = 0.01
 _SHARE = 0.05
+# Distances of a tip before a thing, in parts of the limb's length.
+_BEFORE = (0.02, 0.15)
 # Words for a side in the name of an effector, and the minimum number of joints of a limb.
 _SIDE = re.compile(r"(?:^|_)(?:left|right|l|r)(?=_|$)", re.IGNORECASE)
 _LIMB = 3
@@ -107,7 +109,13 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
         "model": _scalar(Path(os.path.relpath(model.path, folder)).as_posix()),
         "base": _scalar(root(model)),
         "effectors": "\n".join(
-            _effector(name, each, tips[name], contacts.postures[name])
+            _effector(
+                name,
+                each,
+                tips[name],
+                contacts.postures[name],
+                _values(model, each, tips[name]),
+            )
             for name, each in effectors.items()
         ),
         "groups": _groups(_alike(effectors) if semantics is None else semantics.groups),
@@ -207,7 +215,25 @@ def _offset(model: UrdfModel, effector: SemanticGroup) -> Numbers:
     return tip_offset(model, effector.joints[-1], effector.tip)
 
 
-def _effector(name: str, effector: SemanticGroup, offset: Numbers, postures: Postures) -> str:
+def _values(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> list[str]:
+    """Return how far before a thing a tip stops, for programs over roles, as lines."""
+    if effector.tip is None or len(effector.joints) < PLACING:
+        return []
+    length = ReadyPosture(model, effector.joints, effector.tip, offset).length
+    near, far = (f"{100 * part * length:.2g} cm" for part in _BEFORE)
+    return [
+        "  # Distance of the tip from the surface of what it reaches for, and its bounds.",
+        f"  values: {{gap: {near}, nearest: {near}, farthest: {far}}}",
+    ]
+
+
+def _effector(
+    name: str,
+    effector: SemanticGroup,
+    offset: Numbers,
+    postures: Postures,
+    values: Sequence[str],
+) -> str:
     lengths = ", ".join(f"{each:g} m" for each in offset)
     tip = f"  tip: {{link: {_scalar(effector.tip or '')}, offset: [{lengths}]}}"
     lines = [
@@ -216,6 +242,7 @@ def _effector(name: str, effector: SemanticGroup, offset: Numbers, postures: Pos
         f"  joints: [{', '.join(_scalar(joint.name) for joint in effector.joints)}]",
         *([] if effector.tip is None else [_TIP, tip]),
         *_postures(effector.joints, postures),
+        *values,
         f"  start: {next(iter(postures))}",
     ]
     return "\n".join(f"  {line}" for line in lines)

@@ -7,6 +7,10 @@ from typing import NamedTuple
 
 from cbdsl.types.allotment import EFFECTOR, Allotment, allotment
 
+#: Kind of roles of sight: two cameras, or the effector that turns them.
+EYES = "eyes"
+STEREO, STEREO_HEADING = "stereo", "stereo heading"
+
 #: Name of the value that names the robot of a program with roles.
 ROBOT = "robot"
 
@@ -20,7 +24,7 @@ class Role(NamedTuple):
     """Part that a robot has to have.
 
     Attributes:
-        wanted: Kind of effector.
+        wanted: Kind of effector, or of sight.
         on: Role of the effector that carries it; empty if any may.
         other: Role of the effector that it has to differ from; empty if none.
     """
@@ -39,7 +43,10 @@ class Role(NamedTuple):
 def role(text: str) -> Role | None:
     """Read a role such as ``effector of force on arm``; ``None`` if it is not one."""
     match = _ROLE.fullmatch(text.strip())
-    wanted = match and allotment(match["kind"])
-    if match is None or wanted is None or wanted.kind != EFFECTOR:
+    if match is None:
+        return None
+    kind = " ".join(match["kind"].split())
+    wanted = Allotment(EYES, kind) if kind in (STEREO, STEREO_HEADING) else allotment(kind)
+    if wanted is None or wanted.kind not in (EFFECTOR, EYES):
         return None
     return Role(wanted, match["on"] or "", match["other"] or "")

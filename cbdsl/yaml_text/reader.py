@@ -145,7 +145,9 @@ def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | In
     except (DiagnosticsError, UsageError):
         return None
     try:
-        document = model.model_validate(data, context={"folder": path.parent})
+        relative = model.is_for_any_robot(data)
+        context = {"folder": path.parent, "relative": relative}
+        document = model.model_validate(data, context=context)
     except ValidationError as error:
         return Invalid(model, tuple(error.errors(include_url=False)))
     return Loaded(document, SourceMap(path, composed.lines, composed.root))

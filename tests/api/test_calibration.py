@@ -78,6 +78,6 @@ def test_calibrations_of_other_bodies_are_refused(
 def test_a_calibration_of_another_robot_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file = made(tmp_path, robot="desk")
+    file = made(tmp_path, robot="sixaxis")
     assert cb(monkeypatch, "run", "reachtouch", "--calibration", str(file)) == 1
-    assert "CB375 robot 'desk' has no camera 'left'" in capsys.readouterr().out
+    assert "CB375 robot 'sixaxis' has no camera 'left'" in capsys.readouterr().out

@@ -221,13 +221,13 @@ def test_unsolvable_field_ends_the_run_with_one_message(
 def test_renderer_is_printed_only_for_robots_with_cameras(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert cb(monkeypatch, "sixaxis_reach", "--backend", "kinematic") == 0
+    assert cb(monkeypatch, "poise", "--robot", "sixaxis", "--backend", "kinematic") == 0
     assert "image" not in capfd.readouterr().out
     cb(monkeypatch, "posture", "--backend", "kinematic")
     assert "images by ideal cameras" in capfd.readouterr().out
 
 
-REACH = ("sixaxis_reach", "--backend", "kinematic", "--record", "kept")
+REACH = ("poise", "--robot", "sixaxis", "--backend", "kinematic", "--record", "kept")
 
 
 def test_existing_recording_is_kept_without_overwrite(
@@ -300,22 +300,22 @@ def test_the_help_names_the_backends(
 def test_run_page_writes_a_self_contained_page(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    words = ("sixaxis_reach", "--backend", "kinematic", "--page", "pages/reach.html")
+    words = ("poise", "--robot", "sixaxis", "--backend", "kinematic", "--page", "pages/reach.html")
     assert cb(monkeypatch, *words) == 0
     assert "pages/reach.html" in capfd.readouterr().out.splitlines()[-1]
     text = (here / "pages" / "reach.html").read_text("utf-8")
-    assert "sixaxis_reach, seed 0" in text
+    assert "poise, seed 0" in text
     assert not re.search(r"""(src|href)=["']?(https?:)?//""", text)
     assert not [*here.rglob("*.npz")]
     assert cb(monkeypatch, *words, "--json") == 0
     (line,) = capfd.readouterr().out.splitlines()
-    assert json.loads(line)["program"] == "sixaxis_reach"
+    assert json.loads(line)["program"] == "poise"
 
 
 def test_run_page_shows_the_episode_that_is_recorded_too(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    words = ("sixaxis_reach", "--backend", "kinematic", "--record", "kept")
+    words = ("poise", "--robot", "sixaxis", "--backend", "kinematic", "--record", "kept")
     assert cb(monkeypatch, *words) == 0
     assert cb(monkeypatch, *words, "--seed", "7", "--page", "reach.html") == 0
     assert "seed 7" in (here / "reach.html").read_text("utf-8")
@@ -339,6 +339,6 @@ def test_run_page_refuses_before_the_episode(
     part: str,
 ) -> None:
     (here / "file").write_text("", encoding="utf-8")
-    assert cb(monkeypatch, "sixaxis_reach", "--backend", "kinematic", *words) == 2
+    assert cb(monkeypatch, "poise", "--robot", "sixaxis", "--backend", "kinematic", *words) == 2
     out, err = capfd.readouterr()
     assert out == "" and part in err and err.count("\n") == 1

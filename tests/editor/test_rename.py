@@ -102,7 +102,7 @@ def test_a_role_is_renamed_in_its_program_with_its_relations(here: Path, mark: s
         ("programs/stages/table_right.yaml", "name: ", "my_table"),
         ("programs/visualinspect.yaml", "policy: ", "my_policy"),
         ("programs/visualinspect.yaml", "{program: ", "my_reach"),
-        ("programs/desk_reach.yaml", "robot: ", "my_desk"),
+        ("programs/stages/sixaxis_bin.yaml", "robot: ", "my_arm"),
     ],
 )
 def test_document_is_renamed_in_all_documents_that_name_it(

@@ -64,7 +64,7 @@ def test_unplugged_robot_ends_the_run_with_its_cause(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Follower, "get_observation", unplugged)
     monkeypatch.setattr(Follower, "disconnect", noted)
-    assert cb(monkeypatch, "run", "sixaxis_reach", "--backend", "follower") == 2
+    assert cb(monkeypatch, "run", "poise", "--robot", "sixaxis", "--backend", "follower") == 2
     fault = "Follower.get_observation failed: ConnectionError: no status packet from motor 3"
     error = capsys.readouterr().err
     assert fault in error and "Traceback" not in error

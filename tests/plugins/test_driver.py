@@ -26,7 +26,7 @@ drivers:
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return a folder with the six-axis arm, driven by the package's kind of driver."""
-    for file in ("robots/sixaxis.*", "programs/sixaxis_reach.yaml", "programs/stages/sixaxis_*"):
+    for file in ("robots/sixaxis.*", "programs/poise.yaml", "programs/stages/sixaxis_*"):
         for path in ROOT.glob(file):
             copy = tmp_path / path.relative_to(ROOT)
             copy.parent.mkdir(parents=True, exist_ok=True)
@@ -60,5 +60,5 @@ def test_driver_kind_checks_its_addresses(
 def test_driver_kind_drives_a_program(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cb(monkeypatch, "run", "sixaxis_reach", "--backend", "ros2", "--yes") == 0
-    assert "reach came to rest 0.0 cm from its reference" in capsys.readouterr().out
+    assert cb(monkeypatch, "run", "poise", "--robot", "sixaxis", "--backend", "ros2", "--yes") == 0
+    assert "aside came to rest 0.0 cm from its reference" in capsys.readouterr().out

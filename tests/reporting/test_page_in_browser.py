@@ -246,7 +246,7 @@ def test_page_of_a_robot_without_cameras_and_hands_has_no_errors(tmp_path: Path)
     library = Library(ROOT)
     robot = library.read(library.locate(RobotDocument, "sixaxis"), RobotDocument).document
     urdf = ROOT / "robots" / robot.model
-    program = check_program("sixaxis_reach", {}, library)
+    program = check_program("poise", {"robot": "sixaxis"}, library)
     made = {"cbdsl": 1, "kind": "stage", "name": "bare", "robot": "sixaxis"}
     stage = StageDocument.model_validate({**made, "contexts": {"only": {}}})
     recording = Recording(program, robot, urdf)
@@ -258,7 +258,7 @@ def test_page_of_a_robot_without_cameras_and_hands_has_no_errors(tmp_path: Path)
     with browser() as opened:
         opened.open(file)
         opened.press("End")
-        assert opened.text("program") == "sixaxis_reach"
+        assert opened.text("program") == "poise"
         assert opened.errors == [] and opened.text("problem") == ""
         assert opened.value("document.querySelectorAll('#cameras canvas').length") == 0
         assert opened.value("document.querySelectorAll('.chart').length") == 2

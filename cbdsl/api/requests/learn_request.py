@@ -265,16 +265,12 @@ class LearnRequest:
         """Return the program to learn, with all its allocations for a policy, and its digest."""
         from cbdsl.api.requests.run_request import read_policy
         from cbdsl.checking.assimilation import program_to_assimilate
-        from cbdsl.checking.knowledge.program_digest import (
-            policy_digest,
-            program_digest,
-            substitute_digests,
-        )
+        from cbdsl.checking.knowledge.program_digest import policy_digest, substitute_digests
         from cbdsl.checking.session import Session
         from cbdsl.learning.learner import ASSIMILATE
 
         run = self.run
-        digest = program_digest(run.program_file, run.library)
+        digest = run.digest
         if self.policy is None or self.learner != ASSIMILATE:
             return run.program, digest
         loaded = read_policy(run.program, str(self.policy), run.program_file, run.library)

@@ -82,7 +82,7 @@ class RunRequest:
         """Digest of the program and of the policies that it uses."""
         from cbdsl.checking.knowledge.program_digest import program_digest
 
-        return program_digest(self.program_file, self.library)
+        return program_digest(self.program_file, self.library, self.program.robot)
 
 
 def read_program(program: str, policy: str | None, values: Mapping[str, str]) -> CheckedProgram:
@@ -156,7 +156,7 @@ def read_request(
         learned = _under_policy(checked, policy, path, library)
     elif schema is not None:
         learned = _as_schema(checked, schema, path, library, values)
-    shown = with_body(_read_stage(stage, checked, path, library), body)
+    shown = with_body(_read_stage(stage, checked, path, robot, robot_file, library), body)
     # Empty corrections replace those of the document, so that the cameras are as in the model.
     if uncalibrated:
         robot = with_corrections(robot, {})
@@ -175,9 +175,15 @@ def read_request(
 
 
 def _read_stage(
-    name: str | None, program: CheckedProgram, program_file: Path, library: Library
+    name: str | None,
+    program: CheckedProgram,
+    program_file: Path,
+    robot: RobotDocument,
+    robot_file: Path,
+    library: Library,
 ) -> StageDocument:
     from cbdsl.api.reading.clean import require_clean
+    from cbdsl.checking.stage.fitted_stage import UnfitStageError, fitted_stage
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.stage import StageDocument, empty_stage
@@ -190,7 +196,11 @@ def _read_stage(
         raise UsageError(f"{program.name} names no stage; give one (known: {known})")
     file = _locate(StageDocument, wanted, program_file, library)
     require_clean(file, library)
-    stage = library.read(file, StageDocument).document
+    parts = tuple(program.parameters.values())
+    try:
+        stage = fitted_stage(library.read(file, StageDocument), robot, robot_file, parts)
+    except UnfitStageError as error:
+        raise UsageError(f"{file}: {error}") from None
     if stage.robot != program.robot:
         raise UsageError(
             f"{file}: stage '{stage.name}' is for robot '{stage.robot}', "

@@ -97,7 +97,7 @@ class _PolicyCheck:
             return
         learned, now = (
             provenance.program,
-            program_digest(program_file, self._session.library).sha256,
+            program_digest(program_file, self._session.library, self._program.robot).sha256,
         )
         if (learned.name, learned.sha256) != (self._program.name, now):
             place = self._source.place("provenance", "program", "sha256")

@@ -17,6 +17,7 @@ from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.reader import flawless
 
 if TYPE_CHECKING:
+    from cbdsl.checking.session import Session
     from cbdsl.documents.schema import SchemaDocument
 
 # Excluded keys of the program itself: the learned policy replaces its policy, and holds on any
@@ -26,20 +27,47 @@ _BESIDE_THE_POINT = ("policy", "stage", "resources")
 _HISTORY = ("values", "transitions", "curve", "provenance")
 
 
+class _Bound:
+    """Reader of programs with a robot in their roles: such a program is that of its robot.
+
+    Args:
+        library: Library that finds documents by name.
+        robot: Robot of programs with roles; the first one that fits if empty.
+    """
+
+    def __init__(self, library: Library, robot: str = "") -> None:
+        self.library, self._robot = library, robot
+        self._session: Session | None = None
+
+    def program(self, path: Path) -> ProgramDocument:
+        """Return a program with its policy over states, so that knowledge outlives its notation."""
+        loaded = flawless(self.library.read_as_written(path, ProgramDocument))
+        if loaded.document.roles:
+            from cbdsl.checking.roles import without_roles  # programs of one robot do without
+            from cbdsl.checking.session import Session
+
+            self._session = self._session or Session(self.library)
+            loaded = without_roles(loaded, self._robot, self._session)
+        self._robot = self._robot or loaded.document.robot
+        return compiled(loaded.document)
+
+
 # The digest of a program includes those of all documents that it uses, as in a Merkle tree. The
 # recursion ends, because programs without diagnostics do not use each other in a circle.
-def program_digest(path: Path, library: Library) -> ProgramDigest:
+def program_digest(path: Path, library: Library, robot: str = "") -> ProgramDigest:
     """Return the digest of a program with all documents that it uses.
 
     Args:
         path: File of a program without diagnostics.
         library: Library that finds documents by name.
+        robot: Robot in the roles of the program; the first one that fits if empty.
     """
-    document = _read(path, library)
-    whole = digest(document, _BESIDE_THE_POINT) + _parts(document, path, library)
+    reader = _Bound(library, robot)
+    document = reader.program(path)
+    whole = digest(document, _BESIDE_THE_POINT) + _parts(document, path, reader)
     policies = {
         name: policy_digest(name, path, library)
-        for name in sorted(_policies(document, path, library))
+        for name in sorted(_policies(document, path, reader))
     }
     return ProgramDigest(digest_of_text(whole), policies, programs={})
 
@@ -73,26 +101,28 @@ def substitute_digests(
         for key, value in values.items()
         if key not in known
     }
-    return {name: digest_of_text(_whole(name, "", path, library)) for name in sorted(names)}
+    reader = _Bound(library)
+    return {name: digest_of_text(_whole(name, "", path, reader)) for name in sorted(names)}
 
 
-def _policies(document: ProgramDocument, path: Path, library: Library) -> Iterator[str]:
+def _policies(document: ProgramDocument, path: Path, reader: _Bound) -> Iterator[str]:
     """Yield the names of the learned policies of a program and of the programs that it uses."""
     for use in document.use.values():
         if use.schema_ is not None:
-            yield _read_schema(use.schema_, path, library).policy
+            yield _read_schema(use.schema_, path, reader.library).policy
         elif use.policy is not None:
             yield use.policy
-        used = _document_file(ProgramDocument, use.program, path, library)
-        yield from _policies(_read(used, library), used, library)
+        used = _document_file(ProgramDocument, use.program, path, reader.library)
+        yield from _policies(reader.program(used), used, reader)
 
 
-def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
+def _parts(document: ProgramDocument, path: Path, reader: _Bound) -> str:
+    library = reader.library
     plain = [use for use in document.use.values() if use.schema_ is None]
     used = sorted({(use.program, use.policy or "") for use in plain})
-    programs = (_whole(program, policy, path, library) for program, policy in used)
+    programs = (_whole(program, policy, path, reader) for program, policy in used)
     named = sorted({(u.program, u.schema_) for u in document.use.values() if u.schema_ is not None})
-    schemas = (_allocated(program, schema, path, library) for program, schema in named)
+    schemas = (_allocated(program, schema, path, reader) for program, schema in named)
     models = (
         digest(
             library.read(_document_file(ModelDocument, name, path, library), ModelDocument).document
@@ -113,10 +143,10 @@ def _pairs(name: str | None, beside: Path, library: Library) -> str:
     return digest(document, ("steps", "provenance"))
 
 
-def _allocated(program: str, name: str, beside: Path, library: Library) -> str:
+def _allocated(program: str, name: str, beside: Path, reader: _Bound) -> str:
     """Return the digest of a used program with its allocating schema and the schema's policy."""
-    schema = _read_schema(name, beside, library)
-    return digest(schema, _HISTORY) + _whole(program, schema.policy, beside, library)
+    schema = _read_schema(name, beside, reader.library)
+    return digest(schema, _HISTORY) + _whole(program, schema.policy, beside, reader)
 
 
 def _read_schema(name: str, beside: Path, library: Library) -> SchemaDocument:
@@ -126,15 +156,15 @@ def _read_schema(name: str, beside: Path, library: Library) -> SchemaDocument:
     return library.read(path, SchemaDocument).document
 
 
-def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
+def _whole(program: str, policy: str, beside: Path, reader: _Bound) -> str:
     """Return the digest of a used program with its policy, which is its own or another."""
-    path = _document_file(ProgramDocument, program, beside, library)
-    document = _read(path, library)
+    path = _document_file(ProgramDocument, program, beside, reader.library)
+    document = reader.program(path)
     own = digest(document, _BESIDE_THE_POINT if policy else ("stage", "resources"))
     return (
         own
-        + (_learned(policy, beside, library) if policy else "")
-        + _parts(document, path, library)
+        + (_learned(policy, beside, reader.library) if policy else "")
+        + _parts(document, path, reader)
     )
 
 
@@ -147,11 +177,6 @@ def _learned(name: str, beside: Path, library: Library) -> str:
         for _, model in sorted(document.models.items())
     )
     return "".join((digest(document, _HISTORY), *(digest(each.document) for each in models)))
-
-
-def _read(path: Path, library: Library) -> ProgramDocument:
-    """Return a program with its policy over states, so that knowledge outlives its notation."""
-    return compiled(flawless(library.read_as_written(path, ProgramDocument)).document)
 
 
 def _document_file(kind: type[Document], name: str, beside: Path, library: Library) -> Path:

@@ -42,7 +42,7 @@ def _check_program(
     path = library.find(ProgramDocument, document.program, loaded.path)
     if provenance is None or path is None:
         return
-    if program_digest(path, library).sha256 != provenance.program.sha256:
+    if program_digest(path, library, document.robot).sha256 != provenance.program.sha256:
         place = loaded.source.place("provenance", "program", "sha256")
         details = {"program": document.program, "command": provenance.command}
         diagnostics.add("CB622", place, **details)

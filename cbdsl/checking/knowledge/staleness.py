@@ -44,7 +44,9 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
         return
     single, several = getattr(provenance, "program", None), getattr(provenance, "programs", {})
     for identity in dict.fromkeys([single, *several.values()]):
-        if isinstance(identity, Identity) and _program(identity, path, library) != identity.sha256:
+        if not isinstance(identity, Identity):
+            continue
+        if _program(identity, path, library, provenance.robot.name) != identity.sha256:
             yield f"program {identity.name}"
     for name, sha256 in provenance.policies.items():
         if _policy(name, path, library) != sha256:
@@ -65,9 +67,9 @@ def _changed_world(provenance: Any, path: Path, library: Library) -> Iterator[st
             yield f"stage {stage.name}"
 
 
-def _program(identity: Identity, path: Path, library: Library) -> str | None:
+def _program(identity: Identity, path: Path, library: Library, robot: str) -> str | None:
     file = library.find(ProgramDocument, identity.name, path)
-    return None if file is None else program_digest(file, library).sha256
+    return None if file is None else program_digest(file, library, robot).sha256
 
 
 def _policy(name: str, path: Path, library: Library) -> str | None:

@@ -10,6 +10,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name, kind_of
+from cbdsl.types.relative import ANY_ROBOT
 from cbdsl.yaml_text.library import Library
 
 
@@ -73,6 +74,6 @@ def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Li
             document = None if file is None else library.read_sound_parts(file, kind).document
         except DiagnosticsError:
             continue
-        if getattr(document, key, None) == robot:
+        if getattr(document, key, None) in (robot, ANY_ROBOT):
             suitable.append(name)
     return suitable

@@ -9,15 +9,17 @@ from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.limits import limit_details
 from cbdsl.checking.session import Session
+from cbdsl.checking.stage.fitted_stage import UnfitStageError, fitted_stage
 from cbdsl.checking.stage.mesh_files import check_meshes, extents_of
 from cbdsl.checking.stage.presentation import check_presentations, idle_keys
 from cbdsl.checking.stage.scene import check_scenes
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
-from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.form import BallForm, BoxForm, ComposedForm, Form, MeshForm, OpenBoxForm
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.types.relative import ANY_ROBOT
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 
@@ -30,10 +32,16 @@ _MOST_FRICTION = {"friction": 3.0, "rolling_friction": 0.05, "spinning_friction"
 def examine_stage(
     loaded: Loaded[StageDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
-    """Check a stage document against itself and its robot."""
+    """Check a stage document against itself and its robot, or the first one that suits it."""
     name, source = loaded.document.robot, loaded.source
-    path = find_document(RobotDocument, name, source.place("robot"), session.library, diagnostics)
-    body = session.body(path, diagnostics)
+    if name != ANY_ROBOT:
+        place, library = source.place("robot"), session.library
+        path = find_document(RobotDocument, name, place, library, diagnostics)
+        body = session.body(path, diagnostics)
+    else:
+        loaded, body = _on_any_robot(loaded, session, diagnostics)
+        if isinstance(body, Unknown):
+            return
     for node, (first, last) in _reversed_spans(loaded.document, source.root):
         diagnostics.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
@@ -45,6 +53,27 @@ def examine_stage(
     if not isinstance(body, Unknown):
         _joints(loaded, body, diagnostics)
         _sizes(loaded, body, diagnostics)
+
+
+def _on_any_robot(
+    loaded: Loaded[StageDocument], session: Session, diagnostics: Diagnostics
+) -> tuple[Loaded[StageDocument], Outcome[CheckedRobot]]:
+    """Return a stage for any robot before the first one at hand that suits it, and that robot."""
+    library, problems = session.library, []
+    for name in library.names(RobotDocument, loaded.path):
+        file = library.find(RobotDocument, name, loaded.path)
+        body = session.body(file or UNKNOWN, Diagnostics())
+        if file is None or isinstance(body, Unknown):
+            continue
+        try:
+            document = fitted_stage(loaded, body.document, file)
+        except UnfitStageError as error:
+            problems.append(str(error))
+        else:
+            return loaded._replace(document=document), body
+    problem = problems[0] if problems else "there is no robot without errors"
+    diagnostics.add("CB358", loaded.source.root.place, problem=problem)
+    return loaded, UNKNOWN
 
 
 def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, diagnostics: Diagnostics) -> None:

@@ -101,6 +101,7 @@ def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
 def _changed(history: History) -> str:
     """Return a clause if the recorded program has changed since, or is not there; else empty."""
     from cbdsl.checking.knowledge.program_digest import program_digest
+    from cbdsl.documents.robot import RobotDocument
     from cbdsl.yaml_text.library import Library
 
     file, sha256 = history.summary.get("source", ("", ""))
@@ -109,7 +110,11 @@ def _changed(history: History) -> str:
     if not Path(file).is_file():
         return f"{file} is not there any more; names are those of the recording"
     try:
-        same = program_digest(Path(file), Library()).sha256 == sha256
+        library = Library()
+        # A program with roles has a digest for each robot.
+        robots = ("", *library.names(RobotDocument, Path(file)))
+        digests = (program_digest(Path(file), library, each).sha256 for each in robots)
+        same = sha256 in digests
     except (DiagnosticsError, UsageError):
         same = False
     return "" if same else f"{file} has changed since; names are those of the recording"

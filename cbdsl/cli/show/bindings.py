@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.checking.rules.roles import (
+from cbdsl.checking.roles import (
     Binding,
     bindings,
     check_roles,
@@ -57,15 +57,19 @@ def _rows(
 ) -> Iterator[dict[str, str]]:
     """Yield a robot's choices of effectors, or the reason why it has none."""
     bound = on_robot(robot, loaded, session.values, session)
-    chosen = bound.document.parameters if isinstance(bound, Loaded) else {}
+    chosen = bound.document.parameters if isinstance(bound, Loaded) else None
     file = session.library.find(RobotDocument, robot, loaded.path)
     body = session.body(file or UNKNOWN, Diagnostics())
     every = [] if isinstance(body, Unknown) else bindings(read_roles(loaded.document), body, {})
     for each in list(every) or [Binding({}, str(bound))]:
-        is_chosen = bool(chosen) and each.effectors.items() <= chosen.items()
+        refusal = each.refusal or (bound if isinstance(bound, str) else "")
+        # Eyes are no parameters.
+        is_chosen = chosen is not None and all(
+            chosen.get(role, value) == value for role, value in each.effectors.items()
+        )
         yield {
             "robot": robot,
             **each.effectors,
-            "fits": each.refusal or "yes",
+            "fits": refusal or "yes",
             "chosen": "yes" if is_chosen else "",
         }

@@ -73,7 +73,8 @@ class _Salvage(Generic[D]):
         self._broken = Broken()
         self._respelt: set[Steps] = set()
         self._unknown: dict[str, object] = {}
-        self._context = {"folder": source.path.parent}
+        relative = model.is_for_any_robot(source.root.plain())
+        self._context = {"folder": source.path.parent, "relative": relative}
 
     def salvage(self, errors: Sequence[ErrorDetails]) -> Loaded[D]:
         if self._faults:

@@ -25,9 +25,9 @@ from tests.cli.test_main import cb
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("desk",), "robot 'desk' has no cameras to calibrate"),
+        (("sixaxis",), "robot 'sixaxis' has no cameras to calibrate"),
         (("dexetr",), "did you mean 'dexter'"),
-        (("dexter", "--program", "sixaxis_reach"), "is for robot 'sixaxis'"),
+        (("dexter", "--program", "panda_grasp"), "is for robot 'panda'"),
         (("dexter", "--stage", "noisy_right"), "other cameras in each episode; a body's number"),
         (("dexter", "--program", "posture"), "no parameter 'hand'"),
         (("dexter", "--out", "a-b.yaml"), "a calibration is <name>.yaml"),

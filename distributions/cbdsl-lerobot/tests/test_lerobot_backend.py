@@ -125,7 +125,7 @@ def test_episode_on_a_late_robot_lasts_as_long_as_its_clock_says(checked: Checke
         time.now += 0.012 if method == "get_observation" else 0.0
 
     device.fail = late
-    runner = Runner(SIXAXIS, Kinematics(SIXAXIS, URDF), checked("sixaxis_reach"), backend)
+    runner = Runner(SIXAXIS, Kinematics(SIXAXIS, URDF), checked("poise", robot="sixaxis"), backend)
     began, observed = time.now, []
     result = runner.run(
         stage_named("sixaxis_bin"),

@@ -201,7 +201,7 @@ class Trial:
         """Write robot and program; return a start of the joints near the posture ``aside``."""
         for file in (
             "robots/sixaxis.*",
-            "programs/sixaxis_reach.yaml",
+            "programs/poise.yaml",
             "programs/stages/sixaxis_*",
         ):
             for path in ROOT.glob(file):
@@ -245,7 +245,17 @@ class Trial:
             parts["watchdog"] = cell.enter_context(self._command("drive", "watchdog", "sixaxis"))
         if self._kind.before:
             self._intrude(cell, common)
-        words = ("run", "sixaxis_reach", "--backend", "ros2", "--yes", "--record", "out")
+        words = (
+            "run",
+            "poise",
+            "--robot",
+            "sixaxis",
+            "--backend",
+            "ros2",
+            "--yes",
+            "--record",
+            "out",
+        )
         self._terminal = -1
         count = "2" if name == "no fault" else "12"
         program = cell.enter_context(self._command(*words, "--overwrite", "--episodes", count))

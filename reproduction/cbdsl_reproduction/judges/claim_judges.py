@@ -427,7 +427,6 @@ CLAIM_OF: Mapping[str, ProgramClaim] = {claim.program: claim for claim in CLAIMS
 
 #: Reason for each shipped program whose end claims nothing about the world.
 NOTHING_TO_CLAIM: Mapping[str, str] = {
-    "desk_reach": "moves an arm without sensors; ends at a posture",
     "hover_follow": "follows until its time is over; comes to no end of its own",
     "poise": "moves an arm without sensors; ends at a posture",
     "posture": "moves an arm to a posture",
@@ -436,8 +435,8 @@ NOTHING_TO_CLAIM: Mapping[str, str] = {
     "put_down": "begins with something held; judged as the end of take_and_put_down",
     "put_down_from_side": "begins with something held; judged as the end of bring_from_side",
     "put_down_with_both": "begins with something held; judged as the end of bring_with_both",
+    "see": "waits until an object is seen; moves nothing",
     "show_ball": "shows a ball to cb calibrate; has neither reward nor success",
-    "sixaxis_reach": "moves an arm without sensors; ends at a posture",
     "survey": "looks how large an object is; moves the head alone",
     "survey_for_both": "looks how large an object is; moves the head alone",
     "twist": "claims a torque, which tests/runtime/test_force_programs.py judges",

@@ -27,7 +27,7 @@ def test_shipped_learned_program_has_a_possible_reward(name: str) -> None:
     assert told(library.locate(ProgramDocument, name), library) == []
 
 
-@pytest.mark.parametrize("name", ["posture", "desk_reach", "sixaxis_reach"])
+@pytest.mark.parametrize("name", ["posture", "poise"])
 def test_program_of_motions_alone_has_no_reward(name: str) -> None:
     library = Library()
     (message,) = told(library.locate(ProgramDocument, name), library)

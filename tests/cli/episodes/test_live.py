@@ -20,7 +20,7 @@ from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.page_message import Message
 from tests.cli.test_main import cb
 
-REACH = ("run", "sixaxis_reach", "--backend", "kinematic", "--seed", "25", "--json")
+REACH = ("run", "poise", "--robot", "sixaxis", "--backend", "kinematic", "--seed", "25", "--json")
 LIVE = ("--live", "--fast", "--live-close")
 
 

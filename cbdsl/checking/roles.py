@@ -7,14 +7,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from pydantic import ValidationError
+
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
-from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.types.role import RELATIONS, ROBOT, Role, role
+from cbdsl.documents.stage import StageDocument
+from cbdsl.types.relative import ANY_ROBOT, named, replaced, with_parts
+from cbdsl.types.role import EYES, RELATIONS, ROBOT, STEREO, STEREO_HEADING, Role, role
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 
@@ -113,12 +118,59 @@ def bind(
             f"robot '{robot.document.name}' fills role '{name}' in several ways: choose {listed}, "
             "or name one in 'roles' of its document"
         )
+    effectors = {name: value for name, value in best[0].items() if roles[name].wanted.kind != EYES}
+    stated = _with_values(loaded, robot, best[0], effectors)
+    if isinstance(stated, str):
+        return stated
     update = {
         "robot": robot.document.name,
-        "parameters": {**document.parameters, **best[0]},
-        "resources": {**document.resources, **_groups(document, roles)},
+        "parameters": {**stated.parameters, **effectors},
+        "resources": {**stated.resources, **_groups(document, roles)},
     }
-    return loaded._replace(document=document.model_copy(update=update))
+    return loaded._replace(document=stated.model_copy(update=update))
+
+
+def _with_values(
+    loaded: Loaded[ProgramDocument],
+    robot: CheckedRobot,
+    chosen: Mapping[str, str],
+    effectors: Mapping[str, str],
+) -> ProgramDocument | str:
+    """Return a program with the values of a robot's document, or the reason against that robot."""
+    data, known = loaded.source.root.plain(), robot.document.effectors
+    if not isinstance(data, dict) or loaded.diagnostics:
+        return loaded.document
+    texts = {role: name for role, name in chosen.items() if role not in effectors}
+    texts |= {
+        f"{role}.{key}": text
+        for role, name in effectors.items()
+        if name in known
+        for key, text in known[name].values.items()
+    }
+    bound = replaced(data, lambda text: with_parts(text, texts))
+    try:
+        return ProgramDocument.model_validate(bound, context={"folder": loaded.path.parent})
+    except ValidationError as error:
+        return _lacking(error, robot, effectors)
+
+
+def _lacking(error: ValidationError, robot: CheckedRobot, effectors: Mapping[str, str]) -> str:
+    """Return which value of a robot's document a program lacks, or which one does not suit it."""
+    first, document = error.errors(include_url=False)[0], robot.document
+    # Tags of unions are in a location, and not in the text.
+    steps = [str(step) for step in first["loc"] if not str(step)[:1].isupper()]
+    where, given = ".".join(steps), first["input"]
+    name = next(iter(named(given)), "")
+    role, _, key = name.partition(".")
+    if role not in effectors:
+        return f"robot '{document.name}' does not suit {where}: {first['msg']}"
+    known = document.effectors.get(effectors[role])
+    states = ", ".join(known.values) if known is not None and known.values else "none"
+    near = suggestion(key, known.values if known is not None else ())
+    return (
+        f"robot '{document.name}' states no value '{key}' of '{effectors[role]}', which {where} "
+        f"needs{near}; write it in 'values' of that effector (it states {states})"
+    )
 
 
 def _preferred(
@@ -154,7 +206,7 @@ def bound_program(
     check_roles(loaded, diagnostics)
     if diagnostics.failed:
         return UNKNOWN
-    reasons, names = [], robots_at_hand(loaded.path, session.library)
+    reasons, names = [], _first_the_stage_s(loaded, session.library)
     if ROBOT in values:
         names = [values[ROBOT]]
         file = session.library.find(RobotDocument, values[ROBOT], loaded.path)
@@ -171,6 +223,26 @@ def bound_program(
     return UNKNOWN
 
 
+def without_roles(
+    loaded: Loaded[ProgramDocument], robot: str, session: Session
+) -> Loaded[ProgramDocument]:
+    """Return the program of one robot that a program with roles stands for.
+
+    Args:
+        loaded: Program with roles.
+        robot: Robot; the first one at hand that fits if empty.
+        session: Session with the documents read so far.
+
+    Returns:
+        Program; as written if the robot does not fit.
+    """
+    for name in [robot] if robot else _first_the_stage_s(loaded, session.library):
+        bound = on_robot(name, loaded, {}, session)
+        if isinstance(bound, Loaded):
+            return bound._replace(document=bound.document.model_copy(update={"roles": {}}))
+    return loaded
+
+
 def on_robot(
     name: str, loaded: Loaded[ProgramDocument], values: Mapping[str, str], session: Session
 ) -> Loaded[ProgramDocument] | str:
@@ -183,7 +255,60 @@ def on_robot(
     body = session.body(file, Diagnostics())
     if isinstance(body, Unknown):
         return f"robot '{name}' has errors, which 'cb validate {file}' lists"
-    return bind(loaded, body, values)
+    bound = bind(loaded, body, values)
+    if isinstance(bound, str):
+        return bound
+    use = {key: _suitable(each, name, loaded, session) for key, each in bound.document.use.items()}
+    stage = _stage(bound.document, name, loaded.path, library)
+    document = bound.document.model_copy(update={"use": use, "stage": stage, "stages": ()})
+    return bound._replace(document=document)
+
+
+def _suitable(use: Use, robot: str, loaded: Loaded[ProgramDocument], session: Session) -> Use:
+    """Return the first use among alternatives whose program a robot can run, or the last one."""
+    while use.otherwise is not None and not _runs(use.program, robot, loaded, session):
+        use = use.otherwise
+    return use.model_copy(update={"otherwise": None})
+
+
+def _runs(name: str, robot: str, loaded: Loaded[ProgramDocument], session: Session) -> bool:
+    """Return whether a program is for a robot, or over roles that it fills."""
+    file = session.library.find(ProgramDocument, name, loaded.path)
+    if file is None or session.library.real(file) == session.library.real(loaded.path):
+        return True  # a finding of its own
+    try:
+        used = session.library.read_as_written(file, ProgramDocument)
+    except DiagnosticsError:
+        return True
+    if used.document.roles:
+        return isinstance(on_robot(robot, used, {}, session), Loaded)
+    return used.document.robot == robot
+
+
+def _stage(document: ProgramDocument, robot: str, path: Path, library: Library) -> str | None:
+    """Return the first stage of a program that suits a robot; its own if it has no others."""
+    if not document.stages:
+        return document.stage
+    for name in (document.stage, *document.stages):
+        if name is not None and _robot_of(name, path, library) in (robot, ANY_ROBOT, None):
+            return name
+    return None
+
+
+def _robot_of(stage: str, path: Path, library: Library) -> str | None:
+    """Return the robot of a stage, `any` if it is for any; ``None`` if it cannot be read."""
+    file = library.find(StageDocument, stage, path)
+    try:
+        return None if file is None else library.read(file, StageDocument).document.robot
+    except DiagnosticsError:
+        return None
+
+
+def _first_the_stage_s(loaded: Loaded[ProgramDocument], library: Library) -> list[str]:
+    """Return the robots at hand, the one of the program's own stage first."""
+    names, stage = robots_at_hand(loaded.path, library), loaded.document.stage
+    own = None if stage is None else _robot_of(stage, loaded.path, library)
+    return sorted(names, key=lambda name: name != own)
 
 
 def robots_at_hand(path: Path, library: Library) -> list[str]:
@@ -202,6 +327,8 @@ def fitting_robots(loaded: Loaded[ProgramDocument], session: Session) -> list[st
 
 def _candidates(own: Role, robot: CheckedRobot) -> list[str]:
     """Return the effectors with the signals that a role needs."""
+    if own.wanted.type == STEREO:
+        return [STEREO] if robot.document.has_stereo else []
     return [name for name in robot.document.effectors if has_signal(own.wanted.type, name, robot)]
 
 
@@ -209,9 +336,14 @@ def _unfilled(name: str, own: Role, robot: CheckedRobot, values: Mapping[str, st
     """Return why no effector can be in a role at all; empty if one can."""
     document, kind = robot.document, own.wanted.type
     known, whose = [*document.effectors, *document.groups], f"robot '{document.name}'"
+    if kind == STEREO:
+        known = [STEREO]
     if name not in values:
         listed = ", ".join(document.effectors)
         problem = f"{whose} has no effector of {kind} for role '{name}' (it has {listed})"
+        if kind == STEREO:
+            cameras = ", ".join(document.cameras) or "none"
+            problem = f"{whose} has no two cameras for role '{name}' (it has {cameras})"
         return "" if _candidates(own, robot) else problem
     given = values[name]
     if given not in known:
@@ -234,6 +366,8 @@ def _groups(document: ProgramDocument, roles: Mapping[str, Role]) -> dict[str, d
     """Return the groups of roles that are replaced together: an arm with its hand."""
     groups: dict[str, dict[str, str]] = {}
     for name, each in roles.items():
+        if each.wanted.kind == EYES:
+            continue
         first = next((key for key, group in groups.items() if each.on in group), name)
         groups.setdefault(first, {})[name] = f"effector of {each.wanted.type}"
     return groups
@@ -241,7 +375,13 @@ def _groups(document: ProgramDocument, roles: Mapping[str, Role]) -> dict[str, d
 
 def has_signal(kind: str, effector: str, robot: CheckedRobot) -> bool:
     """Return whether an effector, or each member of a group, has a signal of a type."""
+    if kind == STEREO:
+        return effector == STEREO and robot.document.has_stereo
     members = robot.document.members(effector)
+    if kind == STEREO_HEADING:
+        links = [camera.link for camera in robot.document.main_cameras.values()]
+        turned = (robot.moves(each, link) for each in members for link in links)
+        return robot.document.has_stereo and all(turned)
     if kind == "force":
         return all(member in robot.document.load_cells for member in members)
     if kind == "configuration":

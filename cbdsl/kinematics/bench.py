@@ -1,9 +1,9 @@
-"""Benches: the table and the ball of a proposed stage, within a robot's reach."""
+"""Benches: a table within a robot's reach, and the ball of a proposed stage on it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +21,7 @@ class Bench(NamedTuple):
         position: Position of the centre of the table top, m.
         x, y: Minimum and maximum coordinates of objects, m.
         radius: Minimum and maximum radius of a ball, m.
+        reach: Length of the limb before which it stands, m.
     """
 
     size: Vector
@@ -28,15 +29,16 @@ class Bench(NamedTuple):
     x: tuple[float, float]
     y: tuple[float, float]
     radius: tuple[float, float]
+    reach: float
 
     def values(self) -> dict[str, str]:
         """Return the values of the stage template's placeholders, in centimetres."""
-        fields = {name: ", ".join(map(_centimetres, each)) for name, each in self._asdict().items()}
-        return {name: f"[{text}]" for name, text in fields.items()}
+        spans = {name: each for name, each in self._asdict().items() if isinstance(each, tuple)}
+        return {name: f"[{', '.join(map(_centimetres, each))}]" for name, each in spans.items()}
 
 
 # Bench for a robot without recognizable limbs, m.
-_ANY = Bench((0.6, 1.2, 0.04), (0.6, 0.0, -0.44), (0.4, 0.8), (-0.4, 0.4), (0.03, 0.05))
+_ANY = Bench((0.6, 1.2, 0.04), (0.6, 0.0, -0.44), (0.4, 0.8), (-0.4, 0.4), (0.03, 0.05), 1.0)
 # Fractions of a limb's length: least and greatest distance of the table's centre; depth, width and
 # thickness of the table; greatest offset of objects from its centre; minimum radius of a ball;
 # distance of the table below a tip that hangs down.
@@ -53,7 +55,7 @@ _BASE, _STANDING = 0.02, 0.1
 # height 0, the surface on which the robot stands. The assumption is that objects near the tip's own
 # distance can be reached. No inverse kinematics is solved: joint limits may exclude a part of the
 # table.
-def bench(robot: RobotDocument, file: Path) -> Bench:
+def bench(robot: RobotDocument, file: Path, parts: Collection[str] = ()) -> Bench:
     """Return a bench in front of the longest limbs of a robot, below their tips.
 
     The bench of a single limb is on the side of its tip; the bench of several limbs is ahead.
@@ -61,12 +63,14 @@ def bench(robot: RobotDocument, file: Path) -> Bench:
     Args:
         robot: Robot of the stage.
         file: Document of the robot.
+        parts: Effectors that are asked for; all if none of them is a limb.
     """
     try:
         model = read_urdf(file.parent / robot.model)
     except UrdfError:
         return _ANY  # the model has its own diagnostics
-    limbs = [each for each in robot.effectors.values() if _is_limb(model, each)]
+    known = {name: each for name, each in robot.effectors.items() if _is_limb(model, each)}
+    limbs = [each for name, each in known.items() if name in parts] or list(known.values())
     most = max((len(each.joints) for each in limbs), default=0)
     return _before([_Limb(model, each) for each in limbs if len(each.joints) == most])
 
@@ -121,6 +125,7 @@ def _before(limbs: Sequence[_Limb]) -> Bench:
         (x - around, x + around),
         (y - around, y + around),
         (ball, 1.5 * ball),
+        length,
     )
 
 

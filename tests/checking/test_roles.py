@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -9,13 +10,14 @@ import pytest
 from cbdsl.checking.document import check_document
 from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
-from cbdsl.checking.rules.roles import bind
+from cbdsl.checking.roles import bind, on_robot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.types.unit import read_quantity
 from cbdsl.yaml_text.library import Library
 
 READY = "{potential: spring, reference: $arm.ready, feedback: $arm, effector: $arm}"
@@ -25,6 +27,8 @@ controllers: {{ready: {READY}, open: {OPEN}}}
 actions: [ready, open]
 """
 ROBOTS = Library().names(RobotDocument)
+# The arm on a pedestal has no cameras.
+SEEING = {*ROBOTS} - {"sixaxis"}
 
 
 def program(folder: Path, roles: str, rest: str, name: str = "skill") -> Path:
@@ -158,7 +162,57 @@ def test_used_program_has_the_robot_and_the_roles_of_its_user(tmp_path: Path) ->
 
 def test_robot_for_a_program_of_another_one_is_refused() -> None:
     with pytest.raises(UsageError, match="for robot 'dexter' alone, and not for 'panda'"):
-        check_program("reach", {"robot": "panda"})
+        check_program("survey", {"robot": "panda"})
+
+
+@pytest.mark.parametrize("robot", sorted(SEEING))
+def test_reach_is_one_program_for_each_robot(robot: str) -> None:
+    checked = check_program("reach", {"robot": robot})
+    (search,) = (each.program for each in checked.actions if each.program is not None)
+    (reach,) = (each.composition for each in checked.actions if each.name == "reach")
+    standoff = reach.primitives[0].controllers[0].standoff if reach is not None else None
+    document = Library().read(Path("robots", f"{robot}.yaml"), RobotDocument).document
+    stated = document.effectors[checked.parameters["arm"]].values["gap"]
+    assert standoff is not None and standoff.clearance == read_quantity(stated, ("length",))
+    # Only a head looks around.
+    assert search.name == ("searchtrack" if "head" in document.effectors else "see")
+    assert checked.stage == ("table_right" if robot == "dexter" else "on_bench")
+
+
+@pytest.mark.parametrize(
+    ("values", "problem"),
+    [
+        ("", "states no value 'gap' of 'arm'.*it states none"),
+        ("values: {gapp: 1 cm}", "'gap' of 'arm'.*did you mean 'gapp'"),
+        ("values: {gap: 1 N}", "does not suit controllers.reach.standoff.clearance"),
+    ],
+)
+def test_value_that_the_robot_lacks_is_one_finding(
+    values: str, problem: str, tmp_path: Path
+) -> None:
+    text = Path("robots", "desk.yaml").read_text("utf-8").replace("name: desk", "name: mine")
+    text = re.sub("values: .*", values, text).replace(
+        "desk.urdf", str(Path("robots/desk.urdf").resolve())
+    )
+    robot = tmp_path / "robots" / "mine.yaml"
+    robot.parent.mkdir()
+    robot.write_text(text, "utf-8")
+    path = tmp_path / "programs" / "reach.yaml"
+    path.parent.mkdir()
+    path.write_text(Path("programs", "reach.yaml").read_text("utf-8"), "utf-8")
+    with pytest.raises(DiagnosticsError, match=problem) as info:
+        check_program(path, {"robot": "mine"}, Library(tmp_path))
+    assert [each.code for each in info.value.diagnostics] == ["CB414"]
+
+
+def test_eyes_need_a_pair_of_cameras_and_their_heading_a_head(tmp_path: Path) -> None:
+    for kind, robots in (("stereo", SEEING), ("stereo heading", {"dexter"})):
+        path = program(tmp_path, f"{{arm: effector of position, eyes: {kind}}}", BOTH)
+        loaded = Session().library.read_as_written(path, ProgramDocument)
+        refused = {
+            name for name in ROBOTS if isinstance(on_robot(name, loaded, {}, Session()), str)
+        }
+        assert robots == {*ROBOTS} - refused
 
 
 def test_digest_of_a_program_with_roles_is_the_same_on_each_robot() -> None:

@@ -1,0 +1,91 @@
+"""A pair of fixed cameras for a robot that has none: they look at its bench from beyond."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.bench import bench
+from cbdsl.robot.local_urdf import localized, with_origin
+from cbdsl.robot.package_folders import PackageFolders
+from cbdsl.robot.robot_xml import robot_text
+from cbdsl.storage.atomic_file import write_text
+from cbdsl.yaml_text.library import Library
+
+# Places of the cameras in parts of the reach: beyond the bench's centre, to either side, above.
+_BEYOND, _APART, _ABOVE = 0.7, 0.2, 0.7
+# Line of a proposed document that the cameras replace.
+_HINT = (
+    "# Add load_cells, cameras and vision for perception; cb schema robot describes their keys.\n"
+)
+_CAMERAS = """\
+# They stand for those of the robot's cell, with which programs see: measure where those are.
+cameras:
+  left: {link: left_camera, width: 320, height: 240, focal_length: 418.5 px}
+  right: {link: right_camera, width: 320, height: 240, focal_length: 418.5 px}
+"""
+
+
+def add_eyes(file: Path) -> Path:
+    """Give a proposed robot two cameras, in a copy of its model beside its document.
+
+    Args:
+        file: Document of the robot, as it was proposed.
+
+    Returns:
+        Model with the cameras.
+
+    Raises:
+        UsageError: The model has links of their names.
+    """
+    robot = Library().read(file, RobotDocument).document
+    model, target = file.parent / robot.model, file.with_suffix(".urdf")
+    if target.exists() and target.resolve() != model.resolve():
+        raise UsageError(f"{target} is there; --force does not replace the model of another robot")
+    packages = PackageFolders({}, [], model)
+    root = ElementTree.fromstring(
+        localized(robot_text(model), model, file.parent, packages, robot.name)
+    )
+    if {"left_camera", "right_camera"} & {link.get("name") for link in root.findall("link")}:
+        raise UsageError(f"{model} has cameras: write them in 'cameras' of {file}")
+    for side, name in ((-1.0, "left_camera"), (1.0, "right_camera")):
+        _add(root, name, robot.base, _pose(robot, file, side))
+    ElementTree.indent(root)
+    text = ElementTree.tostring(root, encoding="unicode")
+    write_text(with_origin(text, f"From {robot.model}, with cameras."), target)
+    lines = file.read_text("utf-8").splitlines(keepends=True)
+    written = [f"model: {target.name}\n" if line.startswith("model: ") else line for line in lines]
+    write_text("".join(written).replace(_HINT, _CAMERAS), file)
+    return target
+
+
+def _pose(robot: RobotDocument, file: Path, side: float) -> tuple[str, str]:
+    """Return a camera's position and its roll, pitch and yaw, as URDF writes them."""
+    before = bench(robot, file)
+    x, y, z = before.position
+    away = math.hypot(x, y)
+    ahead = (x / away, y / away) if away > _APART * before.reach else (1.0, 0.0)
+    beyond, apart, above = (part * before.reach for part in (_BEYOND, side * _APART, _ABOVE))
+    offset = (
+        beyond * ahead[0] - apart * ahead[1],
+        beyond * ahead[1] + apart * ahead[0],
+        above,
+    )
+    pitch, yaw = math.atan2(above, math.hypot(beyond, apart)), math.atan2(-offset[1], -offset[0])
+    at = (x + offset[0], y + offset[1], z + offset[2])
+    return " ".join(f"{each:.4f}" for each in at), f"0 {pitch:.6f} {yaw:.6f}"
+
+
+def _add(root: ElementTree.Element, name: str, base: str, pose: tuple[str, str]) -> None:
+    """Add a link without shape on a fixed joint."""
+    inertial = ElementTree.SubElement(ElementTree.SubElement(root, "link", name=name), "inertial")
+    ElementTree.SubElement(inertial, "mass", value="0")
+    moments = dict.fromkeys(("ixx", "iyy", "izz"), "1e-06")
+    ElementTree.SubElement(inertial, "inertia", {**moments, "ixy": "0", "ixz": "0", "iyz": "0"})
+    joint = ElementTree.SubElement(root, "joint", name=f"{name}_joint", type="fixed")
+    ElementTree.SubElement(joint, "parent", link=base)
+    ElementTree.SubElement(joint, "child", link=name)
+    ElementTree.SubElement(joint, "origin", xyz=pose[0], rpy=pose[1])
