@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from cbdsl.robot.control_rate import with_control_rate
     from cbdsl.robot.joints import Joints
     from cbdsl.robot.urdf_reader import read_urdf
-    from cbdsl.sensing.channels import Extent, Moments, Region, Regions
+    from cbdsl.sensing.channels import Extent, Moments, Region, Regions, connected_regions
     from cbdsl.sensing.observation import Loads, Observation
 
 __all__ = [
@@ -47,8 +47,8 @@ __all__ = [
     "Floats", "Image", "Joints", "Kinematics", "Loads", "MeshForm", "Moments", "Observation",
     "Person", "PlaceSection", "Region", "Regions", "ResumableBackend", "RobotDocument",
     "SimulatedBackend", "StageDocument", "StagingBackend", "UsageError", "choose_context",
-    "draw_start", "embody", "load_kept", "read_fitting", "read_robot", "read_stage",
-    "read_urdf", "with_control_rate",
+    "connected_regions", "draw_start", "embody", "load_kept", "read_fitting", "read_robot",
+    "read_stage", "read_urdf", "with_control_rate",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

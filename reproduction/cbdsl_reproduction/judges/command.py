@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,6 +27,14 @@ Episodes = Annotated[
 Only = Annotated[
     list[str] | None,
     typer.Option("--only", help="Condition to measure [all]; may be repeated."),
+]
+Task = Annotated[
+    list[str] | None,
+    typer.Option("--task", help="Task of robosuite [all]; may be repeated."),
+]
+Arm = Annotated[
+    list[str] | None,
+    typer.Option("--arm", help="Arm of robosuite [all]; may be repeated."),
 ]
 BackendName = Annotated[
     str | None, typer.Option("--backend", help="Name of the backend [the judge's].")
@@ -53,6 +62,8 @@ def judge(
     seed: Seed = 20_000,
     episodes: Episodes = None,
     only: Only = None,
+    task: Task = None,
+    arm: Arm = None,
     backend: BackendName = None,
     cameras: Cameras = None,
     workers: Workers = 1,
@@ -84,7 +95,7 @@ def judge(
     chosen = JUDGES[name]
     campaign = Campaign(
         chosen,
-        _conditions(chosen, only),
+        _conditions(chosen, only, {"task": task or [], "arm": arm or []}),
         BodyChoice(backend or chosen.body.backend, _cameras(chosen, backend, cameras)),
         seed,
         episodes or chosen.episodes,
@@ -108,19 +119,35 @@ def _cameras(judge: Judge, backend: str | None, cameras: str | None) -> str | No
     return cameras or (judge.body.cameras if own else None)
 
 
-def _conditions(judge: Judge, only: list[str] | None) -> tuple[JudgedCondition, ...]:
+def _conditions(
+    judge: Judge, only: list[str] | None, parts: Mapping[str, list[str]]
+) -> tuple[JudgedCondition, ...]:
     """Return the conditions to measure.
+
+    Args:
+        judge: Judge.
+        only: Names of conditions; all if empty.
+        parts: Parts of the names of conditions, by the option that selects them.
 
     Raises:
         UsageError: The judge has no such condition.
     """
     from cbdsl import UsageError
 
+    chosen = judge.conditions
+    for option, words in parts.items():
+        known = sorted({part for each in chosen for part in each.name.split(", ")})
+        for word in words:
+            if word not in known:
+                raise UsageError.unknown(f"{option} of {judge.name}", word, known)
+        chosen = tuple(
+            each for each in chosen if not words or set(words) & set(each.name.split(", "))
+        )
     names = [condition.name for condition in judge.conditions]
     for name in only or ():
         if name not in names:
             raise UsageError.unknown(f"condition of {judge.name}", name, names)
-    return tuple(each for each in judge.conditions if not only or each.name in only)
+    return tuple(each for each in chosen if not only or each.name in only)
 
 
 def _result(campaign: Campaign, workers: int, out: Path | None, *, resume: bool) -> dict[str, Any]:

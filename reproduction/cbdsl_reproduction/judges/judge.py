@@ -118,6 +118,8 @@ class Judge:
         scores: Means that each condition compares.
         knowledge: Files below ``knowledge`` that the judged behaviour depends on, besides
             documents of its programs.
+        folder: Folder of this package with further code and documents that the judged behaviour
+            depends on.
         is_real_time: True if its episodes run in real time, so that one process measures them.
     """
 
@@ -129,6 +131,7 @@ class Judge:
     episodes: int = 20
     scores: tuple[Score, ...] = ()
     knowledge: tuple[str, ...] = ()
+    folder: str | None = None
     is_real_time: bool = False
 
     @property

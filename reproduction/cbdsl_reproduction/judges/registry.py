@@ -29,6 +29,7 @@ from cbdsl_reproduction.judges import (
     planned_stacks,
     reach,
     relations,
+    robosuite,
     scenes,
     schemas,
     served,
@@ -70,6 +71,7 @@ _ALL = (
     mounted_touch.JUDGE,
     relations.JUDGE,
     served.JUDGE,
+    robosuite.JUDGE,
 )
 
 #: Judges in the order of ``cb judge --list``.

@@ -42,7 +42,7 @@ def row_digests(judge: Judge, condition: JudgedCondition, engine: str) -> Mappin
         "law": _code(_LAW),
         "perception": _code(_PERCEPTION),
         "world": _world(engine, driven=judge.is_real_time),
-        "judge": _judge(judge.name),
+        "judge": _judge(judge.name, judge.folder),
         "documents": _documents(
             condition.program, tuple(condition.values.items()), condition.stage, judge.knowledge
         ),
@@ -96,11 +96,16 @@ def _world(engine: str, *, driven: bool) -> str:
 
 
 @cache
-def _judge(name: str) -> str:
+def _judge(name: str, own: str | None) -> str:
     """Return the digest of the module of a judge, with its aims, and of shared modules."""
     folder = Path(__file__).parent
-    files = (folder / f"{module}.py" for module in (name, *_SHARED))
-    return _files(file for file in files if file.is_file())
+    files = [folder / f"{module}.py" for module in (name, *_SHARED)]
+    if own is None:
+        return _files(file for file in files if file.is_file())
+    further = folder.parent / own
+    documents = [file.read_text("utf-8") for file in sorted(further.rglob("*.yaml"))]
+    code = _files(file for file in (*files, *further.rglob("*.py")) if file.is_file())
+    return digest_of_text("\n".join((code, *documents)))[:_LENGTH]
 
 
 def _files(files: Iterable[Path]) -> str:

@@ -1,0 +1,43 @@
+"""Tasks of robosuite, the programs for them, and the objects that ideal cameras segment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+_PROGRAMS = Path(__file__).with_name("programs")
+
+
+class RobosuiteTask(NamedTuple):
+    """Task of robosuite.
+
+    Attributes:
+        name: Name of the environment.
+        program_name: Name of the program, which is over roles and names no robot.
+        middle: Middle of the cameras' view, m, world frame of robosuite.
+        features: Bodies of the task by the colour as which ideal cameras see them.
+        least: Least share of successes that is aimed at.
+    """
+
+    name: str
+    program_name: str
+    middle: tuple[float, float, float]
+    features: Mapping[str, tuple[str, ...]]
+    least: float
+
+    @property
+    def program(self) -> Path:
+        """File of the program."""
+        return _PROGRAMS / f"{self.program_name}.yaml"
+
+
+_TABLE = (0.0, 0.0, 0.85)
+_ALL = (RobosuiteTask("Lift", "lift", _TABLE, {"red": ("cube_main",)}, 0.95),)
+
+#: Tasks by name.
+TASKS: Mapping[str, RobosuiteTask] = MappingProxyType({task.name: task for task in _ALL})
+
+#: Arms of robosuite with the grippers that it gives them.
+ARMS = ("Panda", "Sawyer", "IIWA", "Jaco", "Kinova3", "UR5e", "XArm7")

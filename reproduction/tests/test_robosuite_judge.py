@@ -1,0 +1,137 @@
+"""Judge of tasks of robosuite: its process, its cameras, its programs, and an episode."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cbdsl import UsageError, load
+from cbdsl.extend.backend import BackendError, read_robot
+from cbdsl_reproduction.judges.judge import BodyChoice
+from cbdsl_reproduction.judges.robosuite import JUDGE
+from cbdsl_reproduction.worlds import robosuite_process
+from cbdsl_reproduction.worlds.camera_pair import looking_at
+from cbdsl_reproduction.worlds.robosuite_backend import RobosuiteBackend, stroke_share
+from cbdsl_reproduction.worlds.robosuite_process import robosuite_python
+from cbdsl_reproduction.worlds.robosuite_task import ARMS, TASKS
+from tests.cli import test_main
+from tests.conftest import ROOT
+
+PROGRAMS = sorted({task.program for task in TASKS.values()})
+coordinate = st.floats(-1.0, 1.0)
+
+
+def missing_environment() -> str:
+    """Return why no environment of robosuite can be used; empty if one can."""
+    try:
+        robosuite_python()
+    except BackendError as error:
+        return str(error)
+    return ""
+
+
+def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    """Run ``cb judge robosuite`` in this process and return its exit code."""
+    return test_main.cb(monkeypatch, "judge", "robosuite", *arguments)
+
+
+def test_robosuite_judge_without_environment_names_the_command(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(robosuite_process.VARIABLE, str(tmp_path / "python"))
+    assert cb(monkeypatch, "--task", "Lift", "--arm", "Panda", "--episodes", "1") == 2
+    problem = capsys.readouterr().err
+    assert str(tmp_path / "python") in problem
+    assert "`make robosuite`" in problem
+
+
+@pytest.mark.parametrize("option", ["--task", "--arm"])
+def test_robosuite_judge_with_unknown_part_names_the_known_ones(
+    option: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, option, "Pandas") == 2
+    assert "Panda" in capsys.readouterr().err
+
+
+def test_judge_rejects_another_backend() -> None:
+    with pytest.raises(UsageError, match="its own simulation"):
+        list(JUDGE.measure(JUDGE.conditions[0], BodyChoice("mujoco", None), [0]))
+
+
+@given(coordinate, coordinate, coordinate)
+def test_camera_pair_looks_at_its_place(x: float, y: float, z: float) -> None:
+    for place in looking_at((x, y, z)).places.values():
+        axes = np.reshape(place.axes, (3, 3))
+        np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-9)
+        assert np.linalg.det(axes) > 0
+        seen = axes.T @ (np.array([x, y, z]) - place.position)
+        assert seen[0] > 0
+        np.testing.assert_allclose(seen[1:], 0.0, atol=1e-9)
+
+
+@given(st.floats(0.0, 1.0), st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=2))
+def test_stroke_share_inverts_linear_interpolation(share: float, way: list[float]) -> None:
+    opened, closed = np.array([0.04, 0.0]), np.array([0.04, 0.0]) + way
+    if np.abs(way).max() < 1e-3:
+        return
+    reference = opened + share * (closed - opened)
+    assert stroke_share(reference, opened, closed) == pytest.approx(share)
+
+
+@pytest.mark.parametrize("file", PROGRAMS, ids=lambda file: file.stem)
+def test_program_of_task_names_no_robot_and_fits_a_shipped_arm(file: Path) -> None:
+    text = file.read_text("utf-8").lower()
+    assert not any(arm.lower() in text for arm in ARMS)
+    assert load(file, values={"robot": "panda"}).robot.name == "panda"
+
+
+class StillProcess:
+    """Process in which nothing moves, and the red object covers a square of both images."""
+
+    def __init__(self, width: int, height: int, joints: int, cells: int) -> None:
+        self.requests: list[dict[str, Any]] = []
+        self._joints, self._cells = joints, cells
+        image = np.zeros((2, height, width), np.uint8)
+        image[:, 100:110, 50:60] = 1
+        self._pixels = image.tobytes()
+
+    def ask(self, do: str, **request: Any) -> tuple[dict[str, Any], bytes]:
+        self.requests.append({"do": do, **request})
+        still = [0.0] * self._joints
+        reply = {
+            "positions": still,
+            "velocities": still,
+            "wrenches": [[0.0] * 6] * self._cells,
+            "success": len(self.requests) == 4,
+        }
+        return reply, self._pixels if "label" in request else b""
+
+
+def test_robosuite_backend_exposes_regions_at_the_image_rate() -> None:
+    robot, _ = read_robot(ROOT / "robots" / "panda.yaml")
+    pair = looking_at((0.0, 0.0, 0.0))
+    process = StillProcess(pair.width, pair.height, 8, 2)
+    backend = RobosuiteBackend(robot, process, pair, {"red": ("cube",)})  # type: ignore[arg-type]
+    stage = load(PROGRAMS[0], values={"robot": "panda"}).stage
+    backend.reset(stage, None, np.random.default_rng(0))
+    (region,) = backend.observe().regions["left"]["red"]
+    assert (region.area, region.column, region.row) == (100, 55.0, 105.0)
+    backend.step()
+    assert not backend.observe().regions
+    assert backend.ever_succeeded
+    steps = [request for request in process.requests if request["do"] == "step"]
+    assert [len(steps[0]["arm"]), len(steps[0]["closing"])] == [7, 1]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(bool(missing_environment()), reason=missing_environment() or "it is there")
+def test_robosuite_judge_repeats_a_lift_that_the_task_accepts() -> None:
+    (condition,) = (each for each in JUDGE.conditions if each.name == "Lift, Panda")
+    first, second = (list(JUDGE.measure(condition, JUDGE.body, [0])) for _ in range(2))
+    assert first == second
+    assert first[0].outcomes["success"]
