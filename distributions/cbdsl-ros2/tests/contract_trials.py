@@ -35,6 +35,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from cbdsl.extend.backend import Floats, RobotDocument
+    from cbdsl.robot.stopping_time import StoppingTime
 
 ROOT = Path(__file__).parents[3]
 CELL = Path(__file__).with_name("rclpy_cell.py")
@@ -60,8 +61,9 @@ class Kind(NamedTuple):
         form: Form of the driver.
         before: True if the fault is there before the program, which is then never ready.
         still: True if the arm has to be still after the fault, and not only the program held.
-        within: Longest time until then, s; the stopping time of the document for ``None``. It
-            begins with the fault, or with the first command of a rival.
+        within: Longest time until then, s. It begins with the fault, or with the first command of
+            a rival. The time after a fault that the document states for slow rates is longer. A
+            program that died, ``None``, has the time that the document states for it.
         way: Motion after the fault that passes after any time, rad.
         nodes: Nodes of the arm. Served arms have the rate of 60 Hz alone.
         harmless: True if the program survives the fault, and is then interrupted. Only lost
@@ -421,7 +423,8 @@ class Trial:
         elapsed = float(ends[-1] - begun) if len(ends) else 0.0
         later = positions[times > begun]
         way = float(np.abs(later - later[0]).max()) if len(later) else 0.0
-        within = self._bound() if self._kind.within is None else self._kind.within
+        bound, within = self._bound(), self._kind.within
+        within = bound.death if within is None else within + max(0.0, bound.fault - STILL)
         if self._kind.before:
             passed = "is not ready" in said and not len(after)
         else:
@@ -472,12 +475,12 @@ class Trial:
 
         return read_robot(self._folder / "robots" / "sixaxis.yaml")
 
-    def _bound(self) -> float:
+    def _bound(self) -> StoppingTime:
         from cbdsl.robot.stopping_time import stopping_time
         from cbdsl.robot.urdf_reader import read_urdf
 
         document, urdf = self._documents()
-        return stopping_time(document, read_urdf(urdf), "arm").death
+        return stopping_time(document, read_urdf(urdf), "arm")
 
 
 def _awaits(process: subprocess.Popen[str], word: str, other: subprocess.Popen[str]) -> bool:
