@@ -75,7 +75,7 @@ class Arm:
         self._frozen: JointState | None = None
         self._leg: tuple[float, float, list[float], list[float]] | None = None
         self._rows: list[tuple[float, list[float], float, float]] = []
-        self._commanded = self._rivalled = 0.0
+        self._commanded = self._rivalled = self._ticked = 0.0
         self._states = self._node.create_publisher(JointState, "/joint_states", 10)
         topic, message = TOPICS[settings["form"]]
         self._node.create_subscription(message, topic, self._accept, 100)
@@ -124,8 +124,11 @@ class Arm:
         if "stall" in self._faults:
             self._faults.remove("stall")
             time.sleep(0.2)
+        # Ticks come late on a busy computer, and speeds are by the time that passed.
+        before, self._ticked = self._ticked, time.time()
+        elapsed = max(self._ticked - before, 1e-4) if self._rows else self._period
         # A controller that was stalled holds still instead of catching up.
-        if self._rows and time.time() - self._rows[-1][0] > _STALLED:
+        if elapsed > _STALLED:
             self._leg = None
         now = self._now()
         if self._leg is not None:
@@ -134,8 +137,8 @@ class Arm:
             self._at = [a + share * (b - a) for a, b in zip(first, last, strict=True)]
         if self._speed:
             # Another controller of the arm has taken its first joint over.
-            self._at[0] = self._before[0] + self._speed * self._period
-        moved = [(a - b) / self._period for a, b in zip(self._at, self._before, strict=True)]
+            self._at[0] = self._before[0] + self._speed * elapsed
+        moved = [(a - b) / elapsed for a, b in zip(self._at, self._before, strict=True)]
         if max(map(abs, moved)) > _MOVES:
             if time.time() - self._moved > _STANDS:
                 say("moves")
