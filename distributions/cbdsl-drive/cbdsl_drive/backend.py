@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,42 +24,29 @@ from cbdsl.extend.backend import (
 )
 from cbdsl.extend.driver import (
     Command,
-    DriverLink,
     Endpoint,
     ImageSample,
     RegionsSample,
-    Sample,
     Setup,
-    StagingLink,
     horizon,
 )
 from cbdsl_drive.clock import Clock
+from cbdsl_drive.connection import Connection, Opener
 from cbdsl_drive.joint_limits import joint_limits
 from cbdsl_drive.links import open_links, require_drivers
 from cbdsl_drive.person import RefusingPerson
 from cbdsl_drive.real_time import RealTime
 from cbdsl_drive.safety_supervisor import SafetySupervisor, State
 from cbdsl_drive.setup import describe_setup
-from cbdsl_drive.survey import survey_problems
 from cbdsl_drive.views import with_views
 from cbdsl_drive.way_back import WayBack
 
-Opener = Callable[[RobotDocument, str | None], Sequence[DriverLink]]
-
-# Longest wait until a robot is ready, s; then every reason against it is reported.
-_PATIENCE = 5.0
-# Longest wait for a description that a publisher repeats, s.
-_DESCRIBED = 10.0
-# Time between two polls while waiting, s; after longer ones queued messages are old.
-_PAUSE, _STARVED = 5e-4, 0.02
-# Time between two judgements of readiness, s.
-_WINDOW = 0.1
+# Time between two polls for a new state, s.
+_PAUSE = 5e-4
 # A joint at its start is closer to it, rad or m.
 _AWAY = 0.05
 # Longest time until a robot stands at its start after the last reference, s.
 _ARRIVAL = 2.0
-# Longest time until a stage is set up, and time between two requests for it, s.
-_SET_UP, _REPEATED = 30.0, 0.5
 # Cause of a hold that is no fault.
 HALTED = "the program was halted"
 
@@ -100,7 +87,7 @@ class DrivenBackend:
             raise BackendError("a real robot has no window; leave --gui out")
         self._require_cover(robot, cameras)
         robot = with_views(robot, ideal=cameras == "ideal")
-        self._robot, self._opener, self._clock = robot, opener, clock
+        self._robot, self._clock = robot, clock
         model = read_fitting(robot, urdf)
         self.control_period = 1.0 / robot.control.rate
         self.supervisor = SafetySupervisor(
@@ -120,8 +107,7 @@ class DrivenBackend:
         }
         self._deadline = min(driver.deadline for driver in robot.drivers.values())
         self._person: Person = RefusingPerson()
-        self._interface: str | None = None
-        self._links: list[DriverLink] = []
+        self._connection = Connection(robot, self.supervisor, opener, clock)
         self._real_time = RealTime() if clock.is_real else None
         self._observation: Observation | None = None
 
@@ -170,7 +156,7 @@ class DrivenBackend:
             person: Person who answers.
             interface: Network interface; loopback only if ``None``.
         """
-        self._person, self._interface = person, interface
+        self._person, self._connection.interface = person, interface
 
     def reset(
         self,
@@ -193,16 +179,15 @@ class DrivenBackend:
         # Order: the links listen, a person confirms, and only then does the robot get a commander.
         # A refusal leaves other programs on the robot undisturbed.
         self._leave_last()
-        if not self._links:
-            self._links.extend(self._opener(self._robot, self._interface))
-        self._await_ready()
+        self._connection.open()
+        self._connection.await_ready()
         here = self.supervisor.joints.positions
         if self._first is None:
             self._first = here.copy()
         start = draw_start(stage, context, self._robot, self._kinematics.joints, self._first, rng)
         if np.abs(here - start.posture).max(initial=0.0) > _AWAY:
             self._return(here.copy(), start.posture)
-        self._await_stage(Setup(self._robot.name, stage, context, drawn))
+        self._connection.await_stage(Setup(self._robot.name, stage, context, drawn))
         setup = describe_setup(stage, start.context, self._robot)
         if not self._person.confirm(setup, "is this set up, and may the robot move", released=True):
             raise BackendError("the stage is not set up: no reference was sent")
@@ -221,11 +206,10 @@ class DrivenBackend:
             self._real_time.begin()
         # Messages queued while the person answered are old.
         self.supervisor.rest()
-        for link in self._links:
-            link.claim()
-        self._drain()
+        self._connection.claim()
+        self._connection.drain()
         # The robot may have changed while the person answered.
-        self._await_ready()
+        self._connection.await_ready()
         self.supervisor.make_ready(self._clock.monotonic())
         # Time 0 of the episode is by the robot's clock, as all stamps are.
         self._began = self.supervisor.joints.stamp
@@ -268,30 +252,6 @@ class DrivenBackend:
         self.supervisor.release()
         self.supervisor.rest()
 
-    def _await_stage(self, setup: Setup) -> None:
-        """Wait until the simulation that serves the robot, if any, has set up the stage.
-
-        Raises:
-            BackendError: It refuses, or does not answer.
-        """
-        clock, until, asked = self._clock, self._clock.monotonic() + _SET_UP, -np.inf
-        waiting = [link for link in self._links if isinstance(link, StagingLink) and link.stages]
-        for link in waiting:
-            answer: str | None = None
-            while answer is None:
-                if clock.monotonic() > until:
-                    raise BackendError(
-                        f"the stage is not set up: no answer for {_SET_UP:.0f} s; another program "
-                        "may command the robot"
-                    )
-                if clock.monotonic() - asked > _REPEATED:
-                    link.ask(setup)
-                    asked = clock.monotonic()
-                clock.sleep(_PAUSE)
-                answer = link.answer()
-            if answer:
-                raise BackendError(f"the stage is not set up: {answer}")
-
     def examine(self, seconds: float) -> list[Endpoint]:
         """Listen to the robot for a while, without moving it.
 
@@ -304,13 +264,7 @@ class DrivenBackend:
         Raises:
             BackendError: The drivers cannot be opened.
         """
-        if not self._links:
-            self._links.extend(self._opener(self._robot, self._interface))
-        self._listen(seconds)
-        until = self._clock.monotonic() + _DESCRIBED
-        while self._awaits_description() and self._clock.monotonic() < until:
-            self._listen(_WINDOW)
-        return [endpoint for link in self._links for endpoint in link.survey()]
+        return self._connection.examine(seconds)
 
     def _leave_last(self) -> None:
         """Bring the last episode to rest, and have a person release a held robot."""
@@ -325,64 +279,9 @@ class DrivenBackend:
             supervisor.release()
         supervisor.rest()
 
-    def _drain(self) -> None:
-        """Discard queued samples except for those without a stamp, which come once."""
-        now, wall = self._clock.monotonic(), self._clock.wall()
-        for sample in self._polled():
-            if not hasattr(sample, "stamp"):
-                self.supervisor.note(sample, now, wall)
-
-    def _await_ready(self) -> None:
-        """Wait until no reason against ``ready`` is left.
-
-        Raises:
-            BackendError: A reason is left after the longest wait.
-        """
-        began = self._clock.monotonic()
-        obstacles, patience = ["nothing was heard"], _PATIENCE
-        while self._clock.monotonic() - began < patience:
-            self.supervisor.forget_mismatches()
-            self._listen(_WINDOW)
-            obstacles = self.obstacles()
-            if not obstacles:
-                return
-            patience = _DESCRIBED if self._awaits_description() else _PATIENCE
-        lines = "".join(f"\n- {obstacle}" for obstacle in obstacles)
-        raise BackendError(f"robot '{self._robot.name}' is not ready:{lines}")
-
-    def _awaits_description(self) -> bool:
-        """Return whether a publisher of the robot's description has not sent it so far."""
-        return self.supervisor.is_undescribed and any(
-            endpoint.role == "description" and endpoint.peers > 0
-            for link in self._links
-            for endpoint in link.survey()
-        )
-
-    def _listen(self, seconds: float) -> None:
-        """Process samples for a while; discard samples that queued while this process slept."""
-        clock = self._clock
-        last, until = -np.inf, clock.monotonic() + seconds
-        while (now := clock.monotonic()) < until:
-            if now - last > _STARVED:
-                self._drain()
-            else:
-                self._gather()
-            last = now
-            clock.sleep(_PAUSE)
-
     def obstacles(self) -> list[str]:
         """Return every reason against ``ready``, one sentence each."""
-        surveyed = [p for link in self._links for p in survey_problems(link.survey())]
-        return self.supervisor.obstacles(surveyed, self._clock.monotonic())
-
-    def _polled(self) -> Iterator[Sample]:
-        for link in self._links:
-            yield from link.poll()
-
-    def _gather(self) -> None:
-        """Process all samples that arrived."""
-        for sample in self._polled():
-            self.supervisor.note(sample, self._clock.monotonic(), self._clock.wall())
+        return self._connection.obstacles()
 
     def observe(self) -> Observation:
         """Return the newest observation."""
@@ -448,12 +347,12 @@ class DrivenBackend:
         Raises:
             BackendError: None came within the deadline, or a fault holds the robot.
         """
-        self._drain()
+        self._connection.drain()
         before, until = self.supervisor.joints.stamp, self._clock.monotonic() + self._deadline
         # Queued states are as old as the long tick. A new one shows that the robot still answers.
         while self.supervisor.joints.stamp <= before and self._clock.monotonic() < until:
             self._clock.sleep(_PAUSE)
-            self._gather()
+            self._connection.gather()
         self._due = self._clock.monotonic()
         self.supervisor.resume(self._due)
         self.supervisor.check(self._due)
@@ -464,8 +363,7 @@ class DrivenBackend:
         for name, (joints, columns) in self._commanded.items():
             reach = horizon(self._robot.drivers[name], 1.0 / self.control_period)
             command = Command(joints, tuple(references[columns].tolist()), reach, stamp)
-            for link in self._links:
-                link.send(name, command)
+            self._connection.send(name, command)
 
     def step(self) -> None:
         """Wait for the next control period, and for joint states that are newer.
@@ -477,7 +375,7 @@ class DrivenBackend:
         self._due += self.control_period
         clock.sleep(max(0.0, self._due - clock.monotonic()))
         while True:
-            self._gather()
+            self._connection.gather()
             now = clock.monotonic()
             self.supervisor.check(now)
             if not self.supervisor.passes:
@@ -508,8 +406,8 @@ class DrivenBackend:
             self.supervisor.hold(HALTED)
         self._settle()
         # After a fault, a watchdog holds, too.
-        for link in self._links if self.supervisor.cause == HALTED else ():
-            link.rest()
+        if self.supervisor.cause == HALTED:
+            self._connection.rest()
 
     def _settle(self) -> None:
         """Send the references that bring a held robot to rest."""
@@ -527,8 +425,6 @@ class DrivenBackend:
         """Hold a robot that moves, and close the links."""
         if self.supervisor.state is State.RUNNING:
             self.halt()
-        for link in self._links:
-            link.close()
-        self._links.clear()
+        self._connection.close()
         if self._real_time is not None:
             self._real_time.end()
