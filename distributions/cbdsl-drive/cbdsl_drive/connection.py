@@ -31,7 +31,7 @@ class Connection:
 
     Args:
         robot: Robot with drivers.
-        supervisor: Takes in all samples.
+        supervisor: State machine that gets all samples.
         opener: Opens the drivers.
         clock: Times of this computer.
 
