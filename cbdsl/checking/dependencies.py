@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from cbdsl.checking.knowledge.model import model_resources
 from cbdsl.checking.lookup.document_search import find_document, first_stage, for_robot
 from cbdsl.checking.program_context import Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
@@ -15,6 +15,8 @@ from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.document import Document
+from cbdsl.documents.kind import Kind
+from cbdsl.documents.kinds import KINDS, kind_name
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
@@ -22,6 +24,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import NOVEL
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.relative import ANY_ROBOT
 from cbdsl.types.resource import LIKENESS_OF, Origin, PairLikeness, Resource
 from cbdsl.types.resource_type import LIKENESS
@@ -202,14 +205,27 @@ class Dependencies:
         made = (likeness_resource(catalog.document, pair, body.resources) for pair in pairs)
         return {each.name: each for each in made if each is not None}
 
+    def _lacks_a_package(self) -> bool:
+        """Return whether a controller's potential comes with a package that is not installed.
+
+        Its diagnostic names the package, which may also bring kinds of models.
+        """
+        missing = POTENTIALS.registry.missing() if self._document.models else {}
+        controllers = self._document.controllers.values()
+        return any(not isinstance(c, str) and c.potential in missing for c in controllers)
+
     def _model(self, alias: str, name: str, body: CheckedRobot) -> Outcome[tuple[Resource, ...]]:
         steps: Steps = ("models", alias)
-        path = self.find(ModelDocument, name, steps)
-        model = self._session.read(path, ModelDocument, self._diagnostics)
-        if isinstance(model, Unknown):
+        kind = self._session.library.model_kind(name, self._loaded.path)
+        if kind is None and self._lacks_a_package():
             return UNKNOWN
-        self.is_for_the_robot(model.document.robot, name, steps)
-        resources = model_resources(alias, model, body, self._diagnostics)
+        path = self.find(kind.model if kind else ModelDocument, name, steps)
+        model = self._session.read(path, kind.model if kind else ModelDocument, self._diagnostics)
+        if isinstance(model, Unknown) or kind is None:
+            return UNKNOWN
+        for key in (key for key, other in kind.references.items() if other == "robot"):
+            self.is_for_the_robot(getattr(model.document, key), name, steps)
+        resources = _resources_of(kind, alias, model, body, self._diagnostics)
         if isinstance(resources, Unknown):
             return UNKNOWN
         before = [each for each in self._models.values() if not isinstance(each, Unknown)]
@@ -219,3 +235,25 @@ class Dependencies:
             place = self._source.key(*steps)
             self._diagnostics.add("CB633", place, name=twice, robot=self._document.robot)
         return resources
+
+
+def _resources_of(
+    kind: Kind, alias: str, loaded: Loaded[Any], body: CheckedRobot, diagnostics: Diagnostics
+) -> Outcome[tuple[Resource, ...]]:
+    """Return the resources that a document gives to a program, by the function of its kind.
+
+    Raises:
+        PluginError: The function of another package fails; the message names the package.
+    """
+    module, _, function = kind.resources.partition(":")
+    name = kind_name(kind.model)
+    try:
+        resources: Outcome[tuple[Resource, ...]] = getattr(import_module(module), function)(
+            alias, loaded, body, diagnostics
+        )
+    except Exception as error:
+        if KINDS.is_builtin(name):
+            raise
+        reason = f"its resources fail on {loaded.path}: {type(error).__name__}: {error}"
+        raise KINDS.fault(name, reason) from error
+    return resources

@@ -47,4 +47,5 @@ def bound_reference(place: int, before: float, after: float, law: LawArrays) -> 
     """
     limits, step = law.limits, law.steps[place]
     after = min(max(after, min(limits[0, place], before)), max(limits[1, place], before))
-    return min(max(after, before - step), before + step)
+    bounded: float = min(max(after, before - step), before + step)
+    return bounded

@@ -31,6 +31,6 @@ class Entry:
     explanation: str
     bad: str | bytes | None
     path: str = "programs/example.yaml"
-    beside: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    beside: Mapping[str, str | bytes] = field(default_factory=lambda: MappingProxyType({}))
     severity: Severity = Severity.ERROR
     good: str = field(kw_only=True)

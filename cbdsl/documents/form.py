@@ -1,15 +1,10 @@
 """Forms of objects and fixtures: shape, size and the pattern of their surface."""
 
 import math
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import (
     Field,
-    FieldSerializationInfo,
-    PrivateAttr,
-    ValidationInfo,
-    field_serializer,
     model_validator,
 )
 
@@ -21,14 +16,11 @@ from cbdsl.documents.document import (
     Size,
     SizeSpan,
 )
-from cbdsl.storage.contents import contents, is_file
-from cbdsl.storage.digest import digest_of_bytes
+from cbdsl.documents.file_section import FileName, FileSection
 
 Side = Literal["-x", "+x", "-y", "+y"]
 """Where a side looks while the thing's yaw is 0."""
 
-
-_MOST_MESH_BYTES = 20_000_000
 
 #: Most solids that something composed, or a mesh, is made of.
 MOST_PIECES = 16
@@ -279,42 +271,20 @@ class ComposedForm(Section):
         return tuple((edge, edge) for edge in edges)
 
 
-class MeshForm(Section):
+class MeshForm(FileSection):
     """Closed mesh; its centre is the middle of its bounding box."""
+
+    most_bytes: ClassVar[int] = 20_000_000
 
     shape: Literal["mesh"]
     """Name of the shape."""
-    file: Annotated[str, Field(min_length=1)]
+    file: FileName
     """STL or OBJ file, relative to the stage's folder."""
     scale: Size = 1.0
     """Length of the unit of the file: 1 mm if its numbers are millimetres."""
     solid: Literal["hull", "boxes", "ball", "box", "cylinder"] = "hull"
     """Form for contacts: the convex hull; up to 16 boxes that fill a hollow mesh; or the bounding
     ball, box or upright cylinder."""
-
-    _folder: Path = PrivateAttr(default=Path())
-
-    @model_validator(mode="after")
-    def _is_in_a_folder(self, info: ValidationInfo) -> Self:
-        # A document does not hold its own path, so that its folder comes with the validation.
-        if info.context is not None:
-            self._folder = info.context["folder"]
-        return self
-
-    @property
-    def path(self) -> Path:
-        """Path of the mesh file."""
-        return self._folder / self.file
-
-    @field_serializer("file")
-    def _by_its_content(self, file: str, info: FieldSerializationInfo) -> str:
-        # Knowledge learned with a mesh is valid for its content, regardless of its path.
-        if info.context is None or not is_file(self.path):
-            return file
-        try:
-            return digest_of_bytes(contents(self.path, _MOST_MESH_BYTES))
-        except OSError:
-            return file  # as readers of the mesh report
 
     # Documents are equal by content, regardless of their path.
     def __eq__(self, other: object) -> bool:

@@ -24,6 +24,9 @@ class Kind(NamedTuple):
         references: Kinds of the documents that top-level keys name, by key.
         stand_ins: Values that replace missing required keys, so that the other keys are checked.
         entries: Diagnostics of the checker that the catalogue does not have.
+        resources: ``module:function`` of (alias, loaded, body, diagnostics) that returns the
+            resources which a program gains by naming a document of this kind below ``models``;
+            unknown if the document does not fit the robot. Empty for other kinds.
     """
 
     model: type[Document]
@@ -33,3 +36,4 @@ class Kind(NamedTuple):
     references: Mapping[str, str] = {}
     stand_ins: Mapping[str, Any] = {}
     entries: tuple[Entry, ...] = ()
+    resources: str = ""

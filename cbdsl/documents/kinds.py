@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -32,6 +33,8 @@ def _record(name: str, record: Any) -> Kind:
         raise PluginError(f"its folder {folder} is not below a root")
     if not all(record.checker.partition(":")):
         raise PluginError(f"its checker '{record.checker}' is not module:function")
+    if record.resources and not all(record.resources.partition(":")):
+        raise PluginError(f"its resources '{record.resources}' are not module:function")
     return record
 
 
@@ -60,6 +63,7 @@ KINDS: Registry[Kind] = Registry(
         "calibration": "cbdsl.documents.calibration:CALIBRATION",
     },
     _record,
+    providers={"network": "cbdsl[onnx]"},
 )
 
 
@@ -71,6 +75,15 @@ def kind_name(model: type[Document]) -> str:
 def kind_of(model: type[Document]) -> Kind:
     """Return the record of the kind of a model."""
     return KINDS.get(kind_name(model))
+
+
+def kinds_with_resources() -> Iterator[Kind]:
+    """Yield the kinds whose documents give resources to programs, built-in ones first."""
+    yield KINDS.get("model")
+    # Package metadata is read only if a caller goes on.
+    yield from (
+        kind for name, kind in KINDS.all().items() if kind.resources and not KINDS.is_builtin(name)
+    )
 
 
 def models() -> dict[str, type[Document]]:

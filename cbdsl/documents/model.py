@@ -66,4 +66,5 @@ MODEL = Kind(
     unknown="CB632",
     references={"robot": "robot"},
     stand_ins={"robot": "unknown"},
+    resources="cbdsl.checking.knowledge.model:model_resources",
 )

@@ -4,6 +4,11 @@ An entry is a ``Kind``: a pydantic model, the folder of its names, the place of 
 Session, Diagnostics) -> None``, and the diagnostics that the checker may add. A checker reports
 faults with their places and raises nothing. The contract test is
 ``cbdsl.extend.contract.test_document``.
+
+A kind may also be one of models, which programs name below ``models``. Its record then has the
+place of a function of (alias, Loaded, CheckedRobot, Diagnostics) that returns the resources which
+such a program gains. The source of a resource is a ``ModelSignal``, with the place of a function
+(ModelSignal, Signals) -> Read, as of ``cbdsl.extend.source``.
 """
 
 from __future__ import annotations
@@ -14,34 +19,36 @@ from cbdsl.extend.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from cbdsl.checking.lookup.document_search import find_document
+    from cbdsl.checking.robot.checked_robot import CheckedRobot
     from cbdsl.checking.session import Session
     from cbdsl.diagnostics.diagnostics import Diagnostics
     from cbdsl.diagnostics.entry import Entry
-    from cbdsl.diagnostics.outcome import Unknown
-    from cbdsl.documents.document import NAME_PATTERN, Document, Duration, Name, Section, quantity
+    from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
+    from cbdsl.documents.document import (
+        NAME_PATTERN,
+        Document,
+        Duration,
+        Name,
+        PositiveCount,
+        Section,
+        quantity,
+    )
+    from cbdsl.documents.file_section import FileSection
     from cbdsl.documents.kind import Kind
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
+    from cbdsl.storage.contents import contents
+    from cbdsl.storage.digest import digest_of_bytes
+    from cbdsl.types.resource import ModelSignal, Origin, Resource
+    from cbdsl.types.resource_type import ResourceType
     from cbdsl.yaml_text.loaded import Loaded
 
 __all__ = [
-    "NAME_PATTERN",
-    "Diagnostics",
-    "Document",
-    "Duration",
-    "Entry",
-    "Kind",
-    "Loaded",
-    "Name",
-    "ProgramDocument",
-    "RobotDocument",
-    "Section",
-    "Session",
-    "StageDocument",
-    "Unknown",
-    "find_document",
-    "quantity",
+    "NAME_PATTERN", "UNKNOWN", "CheckedRobot", "Diagnostics", "Document", "Duration", "Entry",
+    "FileSection", "Kind", "Loaded", "ModelSignal", "Name", "Origin", "Outcome", "PositiveCount",
+    "ProgramDocument", "Resource", "ResourceType", "RobotDocument", "Section", "Session",
+    "StageDocument", "Unknown", "contents", "digest_of_bytes", "find_document", "quantity",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

@@ -26,6 +26,7 @@ from cbdsl.types.resource import (
     Headings,
     InstanceCount,
     MarkHeading,
+    ModelSignal,
     NetForces,
     NetLoad,
     NovelHeading,
@@ -57,7 +58,7 @@ class Binders:
         kinematic_rows: Factory of the rows that follow from joint positions alone.
         sensors: Readers of the sensors.
         predicted: Reader of predicted signals.
-        declared: Function of a declared sensor's signal and its size that returns its reader.
+        declared: Function of another package's signal and its size that returns its reader.
     """
 
     def __init__(
@@ -66,7 +67,7 @@ class Binders:
         kinematic_rows: KinematicRows,
         sensors: SensorReaders,
         predicted: PredictedSignals,
-        declared: Callable[[SensorSignal, int], Reader],
+        declared: Callable[[SensorSignal | ModelSignal, int], Reader],
     ) -> None:
         self._rows, self._sight = rows, sensors.sight
         touch, sight, blobs = sensors.touch, sensors.sight, sensors.blobs
@@ -98,6 +99,7 @@ class Binders:
             AffordanceProbability: self._read_by(predicted.affordance),
             PairLikeness: self._read_by(predicted.likeness),
             SensorSignal: self._declared(declared),
+            ModelSignal: self._declared(declared),
         }
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:

@@ -11,7 +11,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
 from cbdsl.sensing.binders import Binders
-from cbdsl.sensing.declared_sensor import sensor_reader
+from cbdsl.sensing.declared_signal import signal_reader
 from cbdsl.sensing.density import Sampler, joint_sampler
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.predicted_signals import PredictedSignals
@@ -27,7 +27,14 @@ from cbdsl.sensing.table.table import Form, RowPart
 from cbdsl.sensing.table.tips import Tips
 from cbdsl.sensing.vision.shapes.surface import SurfaceSampler
 from cbdsl.types.casts import Chain
-from cbdsl.types.resource import NetForces, Origin, Resource, SensorSignal, Source
+from cbdsl.types.resource import (
+    ModelSignal,
+    NetForces,
+    Origin,
+    Resource,
+    SensorSignal,
+    Source,
+)
 from cbdsl.types.resource_type import POSITION
 from cbdsl.types.source_record import (
     Normals,
@@ -206,9 +213,9 @@ class Signals:
         require_executed(resource, chains)
         return self._binders.bind(resource, chains)
 
-    def _declared(self, signal: SensorSignal, size: int) -> Reader:
-        """Return the reader of a sensor whose kind another package adds."""
-        return sensor_reader(signal, size, len(self.joints), self)
+    def _declared(self, signal: SensorSignal | ModelSignal, size: int) -> Reader:
+        """Return the reader of a signal that another package adds."""
+        return signal_reader(signal, size, len(self.joints), self)
 
     def _bind_normal_forces(self, normals: Normals | None, owner: str) -> int:
         if normals is Normals.PALMS:

@@ -235,7 +235,12 @@ class PotentialTable(Mapping[str, PotentialType]):
     def __init__(self) -> None:
         self._built_in = {potential.name: potential for potential in _BUILT_IN}
         self.registry: Registry[PotentialType] = Registry(
-            "potential", "cbdsl.potentials", {}, _validate, self._built_in
+            "potential",
+            "cbdsl.potentials",
+            {},
+            _validate,
+            self._built_in,
+            {"learned": "cbdsl[onnx]"},
         )
 
     def __getitem__(self, name: str) -> PotentialType:

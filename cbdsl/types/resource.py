@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from cbdsl.types.resource_type import ResourceType
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Hashable
 
     from cbdsl.numeric.affordance_model import AffordanceModel
 
@@ -236,6 +236,26 @@ class SensorSignal(NamedTuple):
     links: tuple[str, ...]
 
 
+class ModelSignal(NamedTuple):
+    """Signal that a model of another package computes from other signals.
+
+    Attributes:
+        model: Name of the model's document.
+        kind: Kind of that document.
+        effector: Effector, group or hand that the signal belongs to.
+        reader: ``module:function`` of (signal, signals) that returns the reader of the signal.
+        features: Resources from which it is computed.
+        data: Constants of the package; hashable, and equal for equal behaviour.
+    """
+
+    model: str
+    kind: str
+    effector: str
+    reader: str
+    features: tuple[Resource, ...]
+    data: Hashable
+
+
 class Posture(NamedTuple):
     """Named joint posture of the robot file."""
 
@@ -392,6 +412,7 @@ Source = (
     | PairLikeness
     | SurfacePoint
     | SensorSignal
+    | ModelSignal
     | Posture
     | Turned
     | UniformSample

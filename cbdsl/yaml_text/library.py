@@ -10,7 +10,14 @@ from typing import Any, TypeVar
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.documents.document import Document
-from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
+from cbdsl.documents.kind import Kind
+from cbdsl.documents.kinds import (
+    KINDS,
+    kind_name,
+    kind_of,
+    kinds_with_resources,
+    models,
+)
 from cbdsl.documents.ownership import declared_kind
 from cbdsl.storage.contents import contents, is_file, is_folder
 from cbdsl.yaml_text.composer import MOST_BYTES
@@ -80,6 +87,16 @@ class Library:
     def files(self) -> tuple[Path, ...]:
         """Files that have been read, with links resolved."""
         return tuple(self._read)
+
+    def model_kind(self, name: str, beside: Path) -> Kind | None:
+        """Return the kind of the document that a program names below ``models``, if there is one.
+
+        Args:
+            name: Name of the document.
+            beside: File of the program.
+        """
+        kinds = kinds_with_resources()
+        return next((kind for kind in kinds if self.find(kind.model, name, beside)), None)
 
     def named_in(self, path: Path) -> set[Path]:
         """Return the files named by a document that were searched for and found."""

@@ -31,7 +31,7 @@ def diagnostics(entry: Entry, example: str | bytes | None, folder: Path) -> list
     for name, text in entry.beside.items():
         beside = folder / name
         beside.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(text, encoding="utf-8")
+        beside.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8"))
     path = folder / entry.path
     path.parent.mkdir(parents=True, exist_ok=True)
     if example is not None:

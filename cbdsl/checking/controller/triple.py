@@ -218,7 +218,8 @@ class _Triple:
         potential = POTENTIALS.get(name)
         if potential is None:
             place = self._place("potential")
-            self._context.add("CB502", place, names=list(POTENTIALS), name=name)
+            reason = POTENTIALS.registry.missing().get(name, f"unknown potential '{name}'")
+            self._context.add("CB502", place, names=list(POTENTIALS), name=name, reason=reason)
             return UNKNOWN
         return potential
 

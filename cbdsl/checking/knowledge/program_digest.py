@@ -123,13 +123,15 @@ def _parts(document: ProgramDocument, path: Path, reader: _Bound) -> str:
     programs = (_whole(program, policy, path, reader) for program, policy in used)
     named = sorted({(u.program, u.schema_) for u in document.use.values() if u.schema_ is not None})
     schemas = (_allocated(program, schema, path, reader) for program, schema in named)
-    models = (
-        digest(
-            library.read(_document_file(ModelDocument, name, path, library), ModelDocument).document
-        )
-        for name in sorted(set(document.models.values()))
-    )
+    models = (_model(name, path, library) for name in sorted(set(document.models.values())))
     return "".join((*programs, *schemas, *models, _pairs(document.meta_catalog, path, library)))
+
+
+def _model(name: str, beside: Path, library: Library) -> str:
+    """Return the digest of a model that a program draws from or follows."""
+    kind = library.model_kind(name, beside)
+    model = ModelDocument if kind is None else kind.model
+    return digest(library.read(_document_file(model, name, beside, library), model).document)
 
 
 def _pairs(name: str | None, beside: Path, library: Library) -> str:

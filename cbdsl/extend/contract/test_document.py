@@ -27,7 +27,7 @@ def _diagnostics(entry: Entry, text: str, folder: Path) -> list[Diagnostic]:
     """Return the diagnostics of an example in a folder."""
     for name, other in {**entry.beside, entry.path: text}.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(other, encoding="utf-8")
+        (folder / name).write_bytes(other.encode() if isinstance(other, str) else other)
     return check_document(folder / entry.path, session=Session(Library(folder)))
 
 

@@ -16,6 +16,7 @@ from cbdsl.types.resource import (
     Heading,
     Headings,
     MarkHeading,
+    ModelSignal,
     NetForces,
     NetLoad,
     NovelHeading,
@@ -46,6 +47,7 @@ WHOLE = frozenset({("whole Jacobian",)})
 #: Chains of casts, by name, from which rows compile their Jacobians, by kind of source.
 EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     SensorSignal: WHOLE,
+    ModelSignal: WHOLE,
     EffectorConfiguration: _JOINTS,
     Posture: _JOINTS,
     Turned: _JOINTS,

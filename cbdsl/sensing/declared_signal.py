@@ -1,4 +1,4 @@
-"""Readers of sensors from other packages, whose errors name the package."""
+"""Readers of sensors and models from other packages, whose errors name the package."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ from typing import Any
 
 import numpy as np
 
+from cbdsl.documents.kinds import KINDS
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.table.reading import Reading
-from cbdsl.types.resource import SensorSignal
+from cbdsl.types.resource import ModelSignal, SensorSignal
 
 
-def sensor_reader(
-    signal: SensorSignal, size: int, joints: int, signals: Any
+def signal_reader(
+    signal: SensorSignal | ModelSignal, size: int, joints: int, signals: Any
 ) -> Callable[[], Reading | None]:
-    """Return the reader of a sensor whose kind comes from another package.
+    """Return the reader of a sensor or model whose kind comes from another package.
 
     Args:
-        signal: Signal of the sensor.
+        signal: Signal of the sensor or model.
         size: Number of components of the value.
         joints: Number of columns of the Jacobian, if there is one.
         signals: Argument of the package's function.
@@ -30,8 +31,12 @@ def sensor_reader(
         PluginError: The package's function raises. The reader also raises it, or SensorError if a
             value is not finite.
     """
-    module, function = SOURCES.get(signal.kind).reader.split(":")
-    failed = partial(SOURCES.fault, signal.kind)
+    if isinstance(signal, ModelSignal):
+        module, function = signal.reader.split(":")
+        failed, name = partial(KINDS.fault, signal.kind), f"the model {signal.model}"
+    else:
+        module, function = SOURCES.get(signal.kind).reader.split(":")
+        failed, name = partial(SOURCES.fault, signal.kind), f"the sensor {signal.sensor}"
     try:
         reader: Callable[[], Reading | None] = getattr(import_module(module), function)(
             signal, signals
@@ -46,7 +51,7 @@ def sensor_reader(
         except Exception as error:
             raise failed(f"{type(error).__name__}: {error}") from error
         if reading is not None and not np.isfinite(reading.value).all():
-            raise SensorError(f"the sensor {signal.sensor} is not finite")
+            raise SensorError(f"{name} is not finite")
         return reading
 
     return read

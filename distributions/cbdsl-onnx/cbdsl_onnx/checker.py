@@ -1,0 +1,249 @@
+"""Check of a network against its model file and its robot, before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+from cbdsl.extend.document import (
+    UNKNOWN,
+    CheckedRobot,
+    Diagnostics,
+    Entry,
+    Loaded,
+    ModelSignal,
+    Origin,
+    Outcome,
+    Resource,
+    RobotDocument,
+    Session,
+    Unknown,
+    contents,
+    digest_of_bytes,
+    find_document,
+)
+from cbdsl_onnx import network
+from cbdsl_onnx.model_file import ModelFacts, ModelFileError, TensorFacts, examine
+from cbdsl_onnx.network import InputSection, NetworkDocument, NormalisedSection
+from cbdsl_onnx.plan import InputPlan, NetworkPlan, Normalisation, OutputPlan
+
+#: Types of feedbacks whose values can be subtracted.
+SUBTRACTED = ("configuration", "position", "heading", "length", "force", "torque")
+
+_SIZES = {"orientation": 9, "pose": 12}
+_FAULTS = {
+    "format": network.UNREADABLE,
+    "external": network.EXTERNAL,
+    "weights": network.NOT_FINITE,
+    "runtime": network.REFUSED,
+}
+
+
+class _Model(NamedTuple):
+    sha256: str
+    facts: ModelFacts
+
+
+def check(loaded: Loaded[NetworkDocument], session: Session, diagnostics: Diagnostics) -> None:
+    """Check a network against its robot."""
+    if loaded.diagnostics:
+        return  # inputs with missing parts cannot be checked
+    place, library = loaded.source.place("robot"), session.library
+    path = find_document(RobotDocument, loaded.document.robot, place, library, diagnostics)
+    body = session.body(path, diagnostics)
+    if not isinstance(body, Unknown):
+        _Check(loaded, body, diagnostics).plan()
+
+
+def resources(
+    alias: str, loaded: Loaded[NetworkDocument], body: CheckedRobot, diagnostics: Diagnostics
+) -> Outcome[tuple[Resource, ...]]:
+    """Return the resource ``<effector>.<alias>`` that a network computes; unknown with faults."""
+    plan = _Check(loaded, body, diagnostics).plan()
+    if isinstance(plan, Unknown):
+        return UNKNOWN
+    feedback = plan.output.feedback
+    effector = feedback.name.partition(".")[0]
+    features = (feedback, *(each for tensor in plan.inputs for each in tensor.resources))
+    source = ModelSignal(
+        loaded.document.name,
+        "network",
+        effector,
+        "cbdsl_onnx.reader:reader",
+        tuple(dict.fromkeys(features)),
+        plan,
+    )
+    return (Resource(f"{effector}.{alias}", feedback.type, Origin.ENVIRONMENT, source),)
+
+
+def size_of(resource: Resource) -> int:
+    """Return the number of components of a signal; an orientation is a matrix."""
+    return _SIZES.get(resource.type.name, resource.type.size)
+
+
+class _Check:
+    def __init__(
+        self, loaded: Loaded[NetworkDocument], body: CheckedRobot, diagnostics: Diagnostics
+    ) -> None:
+        self._loaded, self._body, self._diagnostics = loaded, body, diagnostics
+        self._document = loaded.document
+
+    def plan(self) -> Outcome[NetworkPlan]:
+        """Return the network's constants; unknown if it has faults."""
+        document = self._document
+        self._has_time()
+        model = self._model()
+        inputs = [self._input(name, section) for name, section in document.inputs.items()]
+        feedback = self._feedback()
+        if isinstance(model, Unknown) or isinstance(feedback, Unknown):
+            return UNKNOWN
+        plans = [each for each in inputs if not isinstance(each, Unknown)]
+        if len(plans) < len(inputs):
+            return UNKNOWN
+        typed = [self._fitted(each, model.facts) for each in plans]
+        given = model.facts.inputs
+        # A misspelt input is both missing and left over, and is reported once.
+        more = given.keys() - document.inputs.keys() if UNKNOWN not in typed else ()
+        for name in sorted(more):
+            self._add(network.TENSOR, "inputs", problem=f"the model also needs the input '{name}'")
+        output = self._output(feedback, model.facts)
+        if self._diagnostics.failed or isinstance(output, Unknown):
+            return UNKNOWN
+        return NetworkPlan(
+            str(document.path.resolve()),
+            model.sha256,
+            tuple(each for each in typed if not isinstance(each, Unknown)),
+            output,
+            document.period,
+            document.deadline,
+        )
+
+    def _add(self, entry: Entry, *steps: str | int, **details: object) -> None:
+        self._diagnostics.add(entry, self._loaded.source.place(*steps), **details)
+
+    def _has_time(self) -> None:
+        output, document = self._document.output, self._document
+        if output.executed > output.steps:
+            problem = f"{output.executed} actions are executed of a chunk of {output.steps}"
+            self._add(network.TIMING, "output", "execute", problem=problem)
+        elif document.deadline > output.executed * document.period:
+            problem = (
+                f"the deadline of {document.deadline:g} s is after the end of the executed "
+                f"actions at {output.executed * document.period:g} s"
+            )
+            self._add(network.TIMING, "deadline", problem=problem)
+
+    def _model(self) -> Outcome[_Model]:
+        document = self._document
+        try:
+            data = contents(document.path, document.most_bytes)
+            return _examined(digest_of_bytes(data), data)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            self._add(network.UNREADABLE, "file", file=document.file, reason=reason)
+        except ModelFileError as error:
+            entry = _FAULTS[error.fault]
+            self._add(entry, "file", file=document.file, reason=str(error))
+        except ImportError:
+            reason = "onnxruntime is not installed: pip install 'cbdsl[onnx]'"
+            self._add(network.REFUSED, "file", file=document.file, reason=reason)
+        return UNKNOWN
+
+    def _signal(self, text: str, *steps: str | int) -> Outcome[Resource]:
+        resource = self._body.resources.get(text)
+        if resource is None:
+            problem = f"robot '{self._document.robot}' has no signal '{text}'"
+            names = list(self._body.resources)
+            self._add(network.SIGNAL, *steps, problem=problem, names=names, given=text)
+            return UNKNOWN
+        if resource.is_drawn or resource.origin is Origin.CONSTANT:
+            problem = f"'{text}' is not measured"
+            self._add(network.SIGNAL, *steps, problem=problem)
+            return UNKNOWN
+        return resource
+
+    def _input(self, name: str, section: InputSection) -> Outcome[InputPlan]:
+        outcomes = [
+            self._signal(text, "inputs", name, "of", place) for place, text in enumerate(section.of)
+        ]
+        signals = tuple(each for each in outcomes if not isinstance(each, Unknown))
+        if len(signals) < len(outcomes):
+            return UNKNOWN
+        scale = self._scale(section, sum(map(size_of, signals)), "inputs", name)
+        if isinstance(scale, Unknown):
+            return UNKNOWN
+        return InputPlan(name, signals, scale, section.history, (), "")
+
+    def _scale(self, section: NormalisedSection, size: int, *steps: str) -> Outcome[Normalisation]:
+        for key in ("mean", "deviation"):
+            numbers = getattr(section, key)
+            if len(numbers) not in (0, size):
+                problem = f"{key} has {len(numbers)} numbers for {size} components"
+                self._add(network.NUMBERS, *steps, key, problem=problem)
+                return UNKNOWN
+        return Normalisation(tuple(section.mean), tuple(section.deviation))
+
+    def _fitted(self, plan: InputPlan, facts: ModelFacts) -> Outcome[InputPlan]:
+        """Return an input with the shape and type of the model's."""
+        tensor = self._tensor(plan.name, facts.inputs, "input", "inputs", plan.name)
+        if isinstance(tensor, Unknown):
+            return UNKNOWN
+        size = sum(map(size_of, plan.resources))
+        if not self._fits(tensor, plan.history, size, plan.name, "inputs", plan.name, "of"):
+            return UNKNOWN
+        return plan._replace(shape=tensor.shape, dtype=tensor.dtype)
+
+    def _tensor(
+        self, name: str, tensors: Mapping[str, TensorFacts], role: str, *steps: str
+    ) -> Outcome[TensorFacts]:
+        tensor = tensors.get(name)
+        if tensor is None:
+            problem = f"the model has no {role} '{name}', but {', '.join(map(repr, tensors))}"
+            self._add(network.TENSOR, *steps, problem=problem)
+            return UNKNOWN
+        if not tensor.dtype:
+            problem = f"the model's {role} '{name}' has another type than floats"
+            self._add(network.TENSOR, *steps, problem=problem)
+            return UNKNOWN
+        return tensor
+
+    def _fits(self, tensor: TensorFacts, rows: int, size: int, name: str, *steps: str) -> bool:
+        """Return whether a tensor holds rows of a size, one below another or in turn."""
+        shape = tuple(each for each in tensor.shape if each != 1)
+        wanted = tuple(each for each in (rows, size) if each != 1)
+        if shape in (wanted, tuple(each for each in (rows * size,) if each != 1)):
+            return True
+        problem = (
+            f"'{name}' of the model has shape {tensor.shape}, but {rows} x {size} numbers are given"
+        )
+        self._add(network.TENSOR, *steps, problem=problem)
+        return False
+
+    def _feedback(self) -> Outcome[Resource]:
+        text = self._document.output.of
+        feedback = self._signal(text, "output", "of")
+        if isinstance(feedback, Unknown):
+            return UNKNOWN
+        if feedback.type.name not in SUBTRACTED:
+            problem = f"'{text}' is of type {feedback.type}; an output fits {', '.join(SUBTRACTED)}"
+            self._add(network.SIGNAL, "output", "of", problem=problem)
+            return UNKNOWN
+        return feedback
+
+    def _output(self, feedback: Resource, facts: ModelFacts) -> Outcome[OutputPlan]:
+        section, size = self._document.output, feedback.type.size
+        tensor = self._tensor(section.name, facts.outputs, "output", "output", "name")
+        scale = self._scale(section, size, "output")
+        if isinstance(tensor, Unknown) or isinstance(scale, Unknown):
+            return UNKNOWN
+        if not self._fits(tensor, section.steps, size, section.name, "output", "of"):
+            return UNKNOWN
+        return OutputPlan(
+            section.name, feedback, section.gives, scale, section.steps, section.executed
+        )
+
+
+@lru_cache(maxsize=16)
+def _examined(sha256: str, data: bytes) -> _Model:
+    return _Model(sha256, examine(data))

@@ -1,0 +1,120 @@
+"""Checks of networks: each fault gives one finding, and no file of bytes raises another error."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+pytest.importorskip("onnxruntime")
+from networks import PROGRAM, linear, write
+
+import cbdsl
+from cbdsl_onnx import examples, wire
+from cbdsl_onnx.model_file import ModelFacts, ModelFileError, examine
+
+MODEL = examples.EXAMPLES["example"]
+OUTPUT = {"name": "y", "of": "right_arm.position", "gives": "displacement"}
+
+
+def of_whole_numbers() -> bytes:
+    info = wire.message((1, wire.message((1, 7), (2, wire.message((1, wire.message((1, 3))))))))
+    weights = wire.tensor("scale", (3,), np.ones(3, "<f4").tobytes())
+    ends = [wire.message((1, "x"), (2, info))], [wire.value_info("y", (3,))]
+    return wire.model([wire.node("Identity", ("scale",), "y")], [weights], *ends)
+
+
+def of_two_sizes() -> bytes:
+    weights = wire.tensor("scale", (4,), np.ones(4, "<f4").tobytes())
+    ends = [[wire.value_info(name, (1, 3))] for name in "xy"]
+    return wire.model([wire.node("Mul", ("x", "scale"), "y")], [weights], *ends)
+
+
+FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {
+    "opset of the future": ("NET103", examples.scaled(1, 1, 1, opset=99), {}),
+    "shapes that do not match": ("NET103", of_two_sizes(), {}),
+    "type of whole numbers": ("NET105", of_whole_numbers(), {}),
+    "input of another name": ("NET105", MODEL, {"inputs": {"z": {"of": ["right_arm.position"]}}}),
+    "output of another name": ("NET105", MODEL, {"output": {**OUTPUT, "name": "z"}}),
+    "history beyond the shape": (
+        "NET105",
+        MODEL,
+        {"inputs": {"x": {"of": ["right_arm.position"], "history": 2}}},
+    ),
+    "chunk beyond the shape": ("NET105", MODEL, {"output": {**OUTPUT, "steps": 4}}),
+    "feedback of another size": ("NET105", MODEL, {"output": {**OUTPUT, "of": "right_arm"}}),
+    "feedback without differences": (
+        "NET106",
+        MODEL,
+        {"output": {**OUTPUT, "of": "right_arm.orientation"}},
+    ),
+    "drawn signal": ("NET106", MODEL, {"inputs": {"x": {"of": ["head.uniform"]}}}),
+    "deviation of another size": ("NET107", MODEL, {"output": {**OUTPUT, "deviation": [1.0]}}),
+    "more executed than given": ("NET108", MODEL, {"output": {**OUTPUT, "execute": 2}}),
+    "unknown robot": ("CB601", MODEL, {"robot": "robbie"}),
+}
+
+
+@pytest.mark.parametrize(("code", "model", "changes"), FAULTS.values(), ids=FAULTS)
+def test_check_of_a_faulty_network_has_one_finding(
+    code: str, model: bytes, changes: dict[str, Any], tmp_path: Path
+) -> None:
+    findings = cbdsl.check(write(tmp_path, "bad", model, **changes))
+    assert [each.code for each in findings if each.code != "CB704"] == [code], findings
+
+
+def test_check_of_a_huge_model_reads_none_of_it(tmp_path: Path) -> None:
+    path = write(tmp_path, "huge", MODEL)
+    os.truncate(tmp_path / "huge.onnx", 2_000_000_000)
+    (finding,) = cbdsl.check(path)
+    assert finding.code == "NET101" and "500000000" in finding.message
+
+
+def test_check_of_a_missing_model_names_the_file(tmp_path: Path) -> None:
+    path = write(tmp_path, "gone", MODEL)
+    (tmp_path / "gone.onnx").unlink()
+    (finding,) = cbdsl.check(path)
+    assert finding.code == "NET101" and "gone.onnx" in finding.message
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, len(MODEL) - 1), st.binary(max_size=6), st.integers(0, 4))
+def test_examine_of_changed_bytes_returns_facts_or_names_the_fault(
+    place: int, inserted: bytes, removed: int
+) -> None:
+    try:
+        facts = examine(MODEL[:place] + inserted + MODEL[place + removed :])
+    except ModelFileError as error:
+        assert str(error)
+    else:
+        assert isinstance(facts, ModelFacts)
+
+
+@pytest.mark.parametrize("place", range(3))
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+def test_examine_of_any_weight_that_is_not_finite_refuses_it(place: int, number: float) -> None:
+    weights = [1.0, 1.0, 1.0]
+    weights[place] = number
+    with pytest.raises(ModelFileError, match="not finite") as caught:
+        examine(examples.scaled(*weights))
+    assert caught.value.fault == "weights"
+
+
+def test_check_of_a_program_reports_the_faults_of_its_network_once(tmp_path: Path) -> None:
+    write(tmp_path, "moved", examples.EXAMPLES["not_finite"])
+    (tmp_path / "follow.yaml").write_text(PROGRAM)
+    assert [each.code for each in cbdsl.check(tmp_path / "follow.yaml")] == ["NET104"]
+
+
+def test_digest_of_a_program_follows_the_bytes_of_its_network(tmp_path: Path) -> None:
+    (tmp_path / "follow.yaml").write_text(PROGRAM)
+    digests = []
+    for bias in (0.0, 0.0, 0.1):
+        write(tmp_path, "moved", linear(np.zeros((3, 3)), [bias, 0, 0]))
+        digests.append(cbdsl.load(tmp_path / "follow.yaml").digest.sha256)
+    assert digests[0] == digests[1] != digests[2]

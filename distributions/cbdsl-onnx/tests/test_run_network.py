@@ -1,0 +1,73 @@
+"""Programs that follow a network below guards, on the kinematic engine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("onnxruntime")
+from networks import PROGRAM, linear, write
+from numpy.typing import NDArray
+
+import cbdsl
+
+OUTPUT = {"name": "y", "of": "right_arm.position"}
+FLOOR = -0.04  # of the program's keep_out, m
+
+
+def run(
+    folder: Path, model: bytes, program: str = PROGRAM, **changes: Any
+) -> tuple[NDArray[np.float64], str]:
+    """Return time, s, and tip's position, m, below the guards, shape (ticks, 4), and the ending."""
+    write(folder, "moved", model, **changes)
+    (folder / "follow.yaml").write_text(program)
+    loaded = cbdsl.load(folder / "follow.yaml")
+    feedback = loaded.program.primitives["policy"].lead.feedback
+    places: list[NDArray[np.float64]] = []
+
+    def note(tick: Any) -> None:
+        if tick.run.state[0] == "X" != tick.run.state[1]:
+            places.append(np.append(tick.observation.time, tick.signals.read(feedback).value))
+
+    (result,) = cbdsl.run(loaded, backend="kinematic", on_tick=note)
+    return np.array(places), result.ending
+
+
+def test_run_of_a_velocity_moves_at_that_velocity(tmp_path: Path) -> None:
+    velocity = [0.02, 0.03, 0.01]
+    places, _ = run(
+        tmp_path,
+        linear(np.zeros((3, 3)), np.array(velocity) / [2.0, 1.0, 1.0]),
+        period="50 ms",
+        output={**OUTPUT, "gives": "velocity", "deviation": [2.0, 1.0, 1.0]},
+    )
+    middle = len(places) // 2
+    moved = places[-1] - places[middle]
+    speed = moved[1:] / moved[0]
+    np.testing.assert_allclose(speed, velocity, rtol=0.05, atol=1e-4)
+
+
+@pytest.mark.xfail(reason="a bound acts once it is exceeded", strict=True)
+@pytest.mark.parametrize("gives", ["target", "displacement", "velocity"])
+def test_run_of_a_network_below_a_guard_never_passes_it(gives: str, tmp_path: Path) -> None:
+    places, reason = run(
+        tmp_path,
+        linear(
+            np.zeros((3, 3)),
+            [0.45 if gives == "target" else 0.0, -0.25 if gives == "target" else 0.0, -0.3],
+        ),
+        output={**OUTPUT, "gives": gives},
+    )
+    assert places[:, 3].min() > FLOOR - 1e-3
+    assert places[-1, 3] == pytest.approx(FLOOR, abs=2e-3)
+    assert "held by keep_out" in reason
+
+
+def test_run_without_a_finite_output_is_undefined_and_still(tmp_path: Path) -> None:
+    # The product overflows float32, although the weights are finite.
+    places, reason = run(tmp_path, linear(np.full((3, 3), 3e38), np.full(3, 3e38)))
+    assert np.abs(places[-1, 1:] - places[0, 1:]).max() < 2e-3
+    assert "right_arm.net" in reason
