@@ -22,6 +22,7 @@ from cbdsl.checking.rules.outcome_states import check_ends, read_ends
 from cbdsl.checking.rules.suspicious_parts import check_suspicious
 from cbdsl.checking.rules.unused_parts import check_unused
 from cbdsl.checking.session import Session
+from cbdsl.checking.shared import faults_of_shared
 from cbdsl.checking.substitution import Examine
 from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.diagnostics.diagnostics import Diagnostics
@@ -99,7 +100,11 @@ def examine_program(
     known = session.recall(path, values)
     if known is None:
         own = Diagnostics()
-        known = _examine(path, values, session, own, budget or Budget()), own
+        checked = _examine(path, values, session, own, budget or Budget())
+        # A program with a fault of a shared document has no faults that could be judged.
+        if own.failed and (shared := faults_of_shared(path, session)).failed:
+            own = shared
+        known = checked, own
         session.remember(path, values, *known)
     checked, own = known
     diagnostics.extend(own.sorted())
@@ -123,6 +128,7 @@ def _examine(
     try:
         loaded = session.library.read_as_written(path, ProgramDocument)
         diagnostics.extend(loaded.diagnostics)
+        diagnostics.extend(each for each in loaded.shared_faults if each.is_error)
         if loaded.document.roles:
             from cbdsl.checking.roles import bound_program  # programs of one robot do without
 
@@ -130,7 +136,10 @@ def _examine(
             if isinstance(bound, Unknown):
                 return UNKNOWN
             loaded, values = bound, {k: v for k, v in values.items() if k != ROBOT}
-        return _ProgramCheck(loaded, values, session, diagnostics, budget).check()
+        checked = _ProgramCheck(loaded, values, session, diagnostics, budget).check()
+        # What seems unused may be meant by a name with an error.
+        diagnostics.extend(() if diagnostics.failed else loaded.shared_faults)
+        return checked
     except DiagnosticsError as error:
         diagnostics.extend(error.diagnostics)
         return UNKNOWN
@@ -244,6 +253,8 @@ class _ProgramCheck:
         section = {"CB616": "conditions", "CB620": "steps"}.get(code, "")
         entries = getattr(self._document, section, {})
         if source.declared(entries, section).get(details.get("name", "")) is UNKNOWN:
+            return
+        if code == "CB616" and source.broken.holds("shared"):
             return
         place = source.key(*path) if spot.is_key else source.place(*path)
         if spot.span is not None:

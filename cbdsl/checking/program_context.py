@@ -13,8 +13,8 @@ from cbdsl.checking.sound_controllers import SoundControllers
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.language.expression import Expression, Span
+from cbdsl.documents.program import ControllerSection, ProgramDocument
+from cbdsl.language.expression import Expression, Span, Term
 from cbdsl.robot.instance_names import (
     InstanceName,
     instance_names,
@@ -95,6 +95,10 @@ class ProgramContext:
     def source(self) -> SourceMap:
         """Source map of the program."""
         return self.loaded.source
+
+    def controller(self, term: Term) -> Outcome[ControllerSection | str] | None:
+        """Return the controller of a term: that of a call as written, or of its name."""
+        return self.controllers.get(str(term), self.controllers.get(term.name))
 
     def add(self, code: str, place: Place, **details: Any) -> None:
         """Add a diagnostic."""

@@ -40,6 +40,7 @@ _FRAMES = {
     "model": f"{_HEAD.format('model')}$body\n",
     "schema": f"{_SCHEMA}$body\n",
     "catalog": f"{_CATALOG}$body\n",
+    "shared": f"{_HEAD.format('shared')}robot: dexter\n$body\n",
     "relations": f"{_RELATIONS}$body\n",
     "meta_catalog": f"{_META_CATALOG}$body\n",
     "afforded": _SCHEMA.replace("features: {", "catalog: ball\nfeatures: {sure: $body, ")

@@ -30,7 +30,7 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
 
     The description, comments, layout and explicit default values do not change it. The content of a
     mesh counts, and its path does not. Drivers, roles and values of a robot do not count;
-    values count in the programs that use them.
+    values count in the programs that use them, as do the shared controllers that they take up.
 
     Args:
         document: Document.
@@ -39,7 +39,7 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     # Knowledge stays valid as long as the digest of its inputs does. Omitted defaults let a new
     # optional key keep all digests, and aliases let a field change its Python name. The context
     # makes meshes count by content.
-    left_out: dict[str, Any] = dict.fromkeys(("description", "drivers", *leave_out), True)
+    left_out: dict[str, Any] = dict.fromkeys(("description", "drivers", "shared", *leave_out), True)
     if getattr(document, "kind", "") == "robot":
         left_out |= {"roles": True, "effectors": {"__all__": {"values": True}}}
     data = document.model_dump(

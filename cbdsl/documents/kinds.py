@@ -53,6 +53,7 @@ KINDS: Registry[Kind] = Registry(
     {
         "robot": "cbdsl.documents.robot:ROBOT",
         "program": "cbdsl.documents.program:PROGRAM",
+        "shared": "cbdsl.documents.shared:SHARED",
         "stage": "cbdsl.documents.stage:STAGE",
         "policy": "cbdsl.documents.policy:POLICY",
         "model": "cbdsl.documents.model:MODEL",

@@ -336,6 +336,8 @@ class ProgramDocument(Document):
     replaced together, as an arm with its hand."""
     use: dict[Name, Use] = {}
     """Other programs, available as actions."""
+    shared: dict[Name, tuple[Name, ...]] = {}
+    """Controllers and conditions that it takes up and calls by name, by their shared documents."""
     models: dict[Name, Name] = {}
     """Internal models to draw references from, as ``<effector>.<name>``."""
     meta_catalog: Name | None = None

@@ -1,7 +1,7 @@
 """From the text of a composition to its syntax tree.
 
     expression: term ("◁" term)*            "c2 ◁ c1" reads "c2 subject to c1"; "<|" is its ASCII
-    term: NAME ["(" ARGUMENT ("," ARGUMENT)* ")"]
+    term: NAME ["(" ARGUMENT ("," ARGUMENT)* ")"]     an argument is a name or a quantity
 
 The language is regular: nothing nests.
 """
@@ -15,7 +15,10 @@ from cbdsl.language.expression import Argument, Expression, Span, Term
 from cbdsl.language.scanner import CompositionError, Scanner, span_of
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_ARGUMENT = re.compile(r"\$?[A-Za-z][A-Za-z0-9_]*(?:\.\$?[A-Za-z0-9_]+)*")
+_ARGUMENT = re.compile(
+    r"\$?[A-Za-z][A-Za-z0-9_]*(?:\.\$?[A-Za-z0-9_]+)*"
+    r"|[+-]?\.?[0-9](?:[^,()◁<]*[^,()◁<\s])?"
+)
 _SUBJECT_TO = re.compile(r"◁|<\|")
 _OPEN, _COMMA, _CLOSE = re.compile(r"\("), re.compile(","), re.compile(r"\)")
 

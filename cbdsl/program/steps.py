@@ -87,16 +87,20 @@ def kind_of_member(name: str, document: ProgramDocument) -> str:
     """Return the kind of a member: a condition, a program or a controller."""
     if name in document.conditions and name not in {**document.controllers, **document.use}:
         return "condition"
+    name = name.split("(")[0]
     return "program" if name in document.use and name not in document.controllers else "controller"
 
 
 def may_be_stuck(name: str, document: ProgramDocument) -> bool:
     """Return whether a controller may be at rest beyond the tolerance of its arrival."""
     seen: set[str] = set()
-    while isinstance(section := document.controllers.get(name), str) and name not in seen:
+    known = document.controllers
+    while isinstance(section := known.get(name, known.get(name.split("(")[0])), str):
+        if name in seen:
+            return True
         seen.add(name)
         try:
-            name = parse(section).terms[-1].name
+            name = str(parse(section).terms[-1])
         except CompositionError:
             return True
     if not isinstance(section, ControllerSection):
@@ -196,7 +200,7 @@ class StepReader:
                 to = self._to(target, (*path, "exits", i, when))
                 if to is not None:
                     exits.append(Exit(boxes, to, ("exits", i, when)))
-        own_values = tuple(self._values(term.name) for term in written.expression.terms)
+        own_values = tuple(self._values(str(term)) for term in written.expression.terms)
         values = own_values + open_ones
         at_rest: Box = tuple("1s" if "s" in own else "1" for own in own_values) + open_ones
         # A success asks for arrival in any case; otherwise, a member that is stuck fails.
@@ -230,7 +234,7 @@ class StepReader:
             return ()
         boxes = []
         for way in ways:
-            letters = {str(term): self._values(term.name) for term in written.expression.terms}
+            letters = {str(term): self._values(str(term)) for term in written.expression.terms}
             letters |= dict.fromkeys(written.conditions(self._document), OF_KIND["condition"])
             for part in way:
                 own = self._letters(part, written, path)
@@ -249,7 +253,7 @@ class StepReader:
             details = {"name": name, "step": written.name, "names": names}
             self._report("CB616", DocumentSpot(path, part.term.span, is_key=True), details)
             return None
-        kind = kind_of_member(part.term.name, self._document)
+        kind = kind_of_member(name, self._document)
         letters = part.letters(kind)
         if letters is None:
             words = ", ".join(f"'{word}'" for word in WORDS[kind])

@@ -167,9 +167,12 @@ class Library:
         """
         key = self.real(path)
         if key not in self._read or not isinstance(self._read[key].document, kind):
-            self._read[key] = read_sound_parts(path, kind, self.text(path))
-        loaded: Loaded[D] = self._read[key]
-        return loaded
+            loaded = self._read[key] = read_sound_parts(path, kind, self.text(path))
+            if getattr(loaded.document, "shared", None):
+                from cbdsl.yaml_text.shared_parts import with_shared  # few programs take any up
+
+                self._read[key] = with_shared(loaded, self)
+        return self._read[key]
 
     def bind(self, loaded: Loaded[Any]) -> None:
         """Let readers of a program with roles see it with a robot in them, until the next one."""

@@ -33,11 +33,15 @@ class Loaded(NamedTuple, Generic[D]):
         document: Document without its faulty parts.
         source: Source map of the document.
         diagnostics: Diagnostics about the text; ``source.broken`` lists the omitted parts.
+        taken: Names of a program's controllers and conditions that stand for calls of shared ones.
+        shared_faults: Diagnostics about the shared documents that it takes up, and their calls.
     """
 
     document: D
     source: SourceMap
     diagnostics: tuple[Diagnostic, ...] = ()
+    taken: frozenset[str] = frozenset()
+    shared_faults: tuple[Diagnostic, ...] = ()
 
     @property
     def path(self) -> Path:

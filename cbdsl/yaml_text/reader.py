@@ -75,7 +75,15 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
         DiagnosticsError: No part of the document can be checked.
     """
     text = read_text(path) if text is None else text
-    composed = _composed(path, text)
+    return read_composed(path, kind, text, _composed(path, text))
+
+
+def read_composed(path: Path, kind: type[D], text: str, composed: Composed | None) -> Loaded[D]:
+    """Read the sound parts of a document from its nodes; ``None`` for a text that has none.
+
+    Raises:
+        DiagnosticsError: No part of the document can be checked.
+    """
     outcome = None if composed is None else _read_clean(path, kind, composed)
     if isinstance(outcome, Loaded):
         return outcome

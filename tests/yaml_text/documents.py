@@ -16,6 +16,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
+from cbdsl.documents.shared import SharedDocument
 from cbdsl.documents.stage import StageDocument
 
 Data = st.SearchStrategy[dict[str, Any]]
@@ -268,6 +269,18 @@ RELATIONS = data(
     {"samples": many(st.lists(st.lists(POSITIVE, min_size=6, max_size=6), max_size=2))},
 )
 
+SHARED = data(
+    {**head("shared"), "robot": NAME},
+    {
+        "parameters": many(TEXT),
+        "controllers": many(
+            data({"potential": NAME}, {"feedback": TEXT, "gain": POSITIVE}) | TEXT,
+            st.from_regex(r"[a-z]{1,5}(\([a-z]{1,3}(, [a-z]{1,3})?\))?", fullmatch=True),
+        ),
+        "conditions": many(TEXT),
+    },
+)
+
 #: Documents of each kind.
 DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "robot": ROBOT.map(RobotDocument.model_validate),
@@ -278,6 +291,7 @@ DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "schema": SCHEMA.map(SchemaDocument.model_validate),
     "calibration": CALIBRATION.map(CalibrationDocument.model_validate),
     "catalog": CATALOG.map(CatalogDocument.model_validate),
+    "shared": SHARED.map(SharedDocument.model_validate),
     "relations": RELATIONS.map(RelationsDocument.model_validate),
     "meta_catalog": META_CATALOG.map(MetaCatalogDocument.model_validate),
 }

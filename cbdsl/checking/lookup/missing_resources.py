@@ -6,11 +6,12 @@ import re
 from collections.abc import Collection
 from typing import Any
 
-from cbdsl.checking.lookup.scope import Scope, parameters_in
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.diagnostics.outcome import UNKNOWN
+from cbdsl.language.parameters import parameters_in
 from cbdsl.robot.resources import CAMERAS, COUNTED, NOVEL, STEREO, SURFACE
 from cbdsl.types.resource import CYCLOPEAN
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -55,7 +56,7 @@ class MissingResources:
         # A value is wrong if one of its parts occurs in no name of a resource. With ``arm:
         # lft_arm``, the text ``$arm.position`` is correct, and the value is reported once at its
         # definition.
-        values = {parameter: scope.values[parameter] for parameter in parameters_in(text)}
+        values = {match[1]: scope.values[match[1]] for match in parameters_in(text)}
         parts = {part for known in self._known for part in known.split(".")}
         wrong = {p: v for p, v in values.items() if not parts.issuperset(v.split("."))}
         if not wrong:

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
-from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
+from cbdsl.language.parameters import filled, parameters_in
 from cbdsl.yaml_text.declared import Declared
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 # Values that refer to values could double in length from program to program.
 _LONGEST = 1_000
-_PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
-# A reference may negate a parameter, as in ``[30 cm, -$side]``. For the value ``-10 cm``, plain
-# replacement would give ``--10 cm``, which is not a quantity.
-_NEGATED = re.compile(r"(^|[\[,])(\s*)-\$([A-Za-z][A-Za-z0-9_]*)")
 
 
 class Scope:
@@ -72,13 +68,16 @@ class Scope:
         Returns:
             Text; unknown if a parameter is, or if the text would be too long.
         """
-        known, length = True, 0
-        for match in _PARAMETER.finditer(text):
+        known, length, values = True, 0, dict[str, str]()
+        for match in parameters_in(text):
             name = match[1]
             self.used.add(name)
             value = self.values.get(name, UNKNOWN)
-            length += len(value)
-            known = known and value is not UNKNOWN
+            if isinstance(value, Unknown):
+                known = False
+            else:
+                values[name] = value
+                length += len(value)
             if name not in self.values:
                 place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
                 hint = "" if self.values else "; declare it in 'parameters'"
@@ -89,18 +88,7 @@ class Scope:
             known = False
         if not known:
             return UNKNOWN
-        text = _NEGATED.sub(self._negated, text)
-        return _PARAMETER.sub(lambda match: self.values[match[1]], text)
-
-    def _negated(self, match: re.Match[str]) -> str:
-        """Return a quantity with the opposite sign: the two signs of a negative quantity cancel."""
-        value = self.values[match[3]].lstrip()
-        return f"{match[1]}{match[2]}{value[1:]}" if value.startswith("-") else match[0]
-
-
-def parameters_in(text: str) -> list[str]:
-    """Return the names of the parameters that a text refers to."""
-    return [match[1] for match in _PARAMETER.finditer(text)]
+        return filled(text, values)
 
 
 class _Hiding(set[str]):

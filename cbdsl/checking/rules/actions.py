@@ -123,11 +123,14 @@ class Actions:
             (term, steps)
             for expression, steps in self._written
             for term in expression.terms
-            if str(term) not in self.members and term.name in self._context.document.controllers
+            if str(term) not in self.members and self._is_controller(term)
         ]
         for term, steps in lacking:
             self._context.add("CB608", self._context.at(steps, term.span), name=str(term))
         return bool(lacking)
+
+    def _is_controller(self, term: Term) -> bool:
+        return not {term.name, str(term)}.isdisjoint(self._context.document.controllers)
 
     def policy(self) -> dict[str, str]:
         """Return the document's policy: canonical action by state pattern."""
@@ -166,7 +169,8 @@ class Actions:
         if any(self._is_program(term) for term in terms):
             return len(terms) == 1 and not terms[0].arguments
         are_called = all(
-            len(term.arguments)
+            str(term) in self._context.loaded.taken
+            or len(term.arguments)
             == len(getattr(document.controllers.get(term.name), "parameters", ()))
             for term in terms
         )
@@ -175,7 +179,10 @@ class Actions:
     def is_declared(self, expression: Expression) -> bool:
         """Return whether all names are declared controllers or programs, even with errors."""
         known = (self._context.controllers, self._context.programs)
-        return all(any(term.name in section for section in known) for term in expression.terms)
+        return all(
+            any(term.name in section or str(term) in section for section in known)
+            for term in expression.terms
+        )
 
 
 def _with_steps(

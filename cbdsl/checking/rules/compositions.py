@@ -84,7 +84,7 @@ class Compositions:
     def checked(self) -> list[tuple[str, Controller]]:
         """Return the controllers without errors, each with its key in the document."""
         return [
-            (name.split("(")[0], controllers[0])
+            (name if name in self._context.loaded.taken else name.split("(")[0], controllers[0])
             for name, controllers in self._built.items()
             if not isinstance(controllers, Unknown) and controllers[0].name == name
         ]
@@ -105,12 +105,17 @@ class Compositions:
     def _controllers(
         self, term: Term, steps: Steps, stack: tuple[str, ...]
     ) -> Outcome[tuple[Controller, ...]]:
-        document = self._context.controllers.get(term.name)
+        document = self._context.controller(term)
         if document is None or isinstance(document, Unknown):
             if document is None:
                 self._missing(term, steps)
             return UNKNOWN
         self._context.used.add(term.name)
+        if str(term) in self._context.loaded.taken:
+            name = str(term)
+            if isinstance(document, str):
+                return self._composite(name, document, stack)
+            return self._triple(name, name, document, {}, {})
         parameters = () if isinstance(document, str) else document.parameters
         if len(parameters) != len(term.arguments):
             self.wrong_arity(term, steps, parameters)
@@ -230,6 +235,8 @@ class Compositions:
     def _missing(self, term: Term, steps: Steps) -> None:
         """Report a term without a controller of its name, unless its declaration may be lost."""
         document, place = self._context.document, self._context.at(steps, term.span)
+        if self._context.source.broken.holds("shared"):
+            return
         if term.name in document.use:
             self._context.used.add(term.name)
             self._context.add("CB406", place, name=term.name)

@@ -17,7 +17,7 @@ def check_unused(context: ProgramContext, used: Collection[str]) -> None:
     document, source = context.document, context.source
     for section in ("controllers", "use", "conditions"):
         for name in getattr(document, section):
-            if name not in used:
+            if name not in used and name not in context.loaded.taken:
                 context.add("CB701", source.key(section, name), name=name)
     for name in document.parameters:
         if name not in context.scope.used:

@@ -28,6 +28,7 @@ from cbdsl.cli.show.policy import show_policy
 from cbdsl.cli.show.program import show_program
 from cbdsl.cli.show.relations import show_relations
 from cbdsl.cli.show.schema import show_schema
+from cbdsl.cli.show.shared import show_shared
 from cbdsl.cli.show.substitutes import show_substitutes
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
@@ -142,6 +143,7 @@ show.command("catalog")(show_catalog)
 show.command("knowledge")(show_knowledge)
 show.command("meta-catalog")(show_meta_catalog)
 show.command("relations")(show_relations)
+show.command("shared")(show_shared)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:
