@@ -255,6 +255,8 @@ class _TakingUp:
             inside = source.inside_key if is_key else source.inside
             place = inside(path, *call.span)
             called.add(call.name)
+            if not is_alone and self._is_own(str(call)):
+                continue
             if call.name in self._unknown:
                 self._leave_out(str(call), call)
             elif (part := parts.get(call.name)) is not None:
@@ -264,6 +266,10 @@ class _TakingUp:
             if name in parts and name not in called:
                 self._faults.add("CB701", place, name=name)
         return self._merged()
+
+    def _is_own(self, name: str) -> bool:
+        document = self._loaded.document
+        return name in document.controllers or name in document.use or name in document.conditions
 
     def _listed(self) -> Iterator[tuple[str, Place]]:
         for shared, names in self._loaded.document.shared.items():
@@ -280,9 +286,8 @@ class _TakingUp:
                 place = source.place("shared", shared, i)
                 if name in known:
                     taken[name] = known[name]
-                    for section in (document.controllers, document.use, document.conditions):
-                        if name in section:
-                            self._faults.add("CB703", place, name=name, other="declaration below")
+                    if self._is_own(name) and not _is_call_of(name, document.controllers.get(name)):
+                        self._faults.add("CB703", place, name=name, other="declaration below")
                     continue
                 self._unknown |= {name, nearest_name(name, known) or name}
                 if known:
@@ -374,6 +379,11 @@ class _TakingUp:
 def _validated(node: Node) -> ControllerSection | str:
     value = node.plain()
     return value if isinstance(value, str) else ControllerSection.model_validate(value)
+
+
+def _is_call_of(name: str, declared: object) -> bool:
+    """Return whether a declaration is one call alone, as `watch: watch(red)`."""
+    return isinstance(declared, str) and [t.name for t in _terms(declared)] == [name]
 
 
 def _terms(text: str) -> tuple[Term, ...]:
