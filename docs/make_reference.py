@@ -319,6 +319,8 @@ def _shape(value: Mapping[str, Any], kind: str) -> str:
             return " or ".join(dict.fromkeys(_shape(each, kind) for each in given))
     if "const" in value or "enum" in value:
         return ", ".join(map(_code, value.get("enum") or [value["const"]]))
+    if "type" not in value:
+        return "any value"
     if value["type"] == "array":
         count, item = value.get("maxItems"), _shape(value["items"], kind)
         item = f"({item})" if " or " in item else item

@@ -33,6 +33,7 @@ ASKED = {
     "catalog": ["red_ball"],
     "meta-catalog": ["four_things"],
     "relations": ["contacts"],
+    "shared": ["looking"],
     "knowledge": [],
 }
 
