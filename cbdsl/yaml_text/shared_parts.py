@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import NamedTuple, Protocol
 
 from pydantic import ValidationError
 
@@ -26,10 +27,17 @@ from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.reader import read_composed
 
-if TYPE_CHECKING:
-    from cbdsl.yaml_text.library import Library
-
 Steps = tuple[str | int, ...]
+
+
+class SharedDocuments(Protocol):
+    """What a library offers to find shared documents; see there."""
+
+    def find(self, kind: type[SharedDocument], name: str, beside: Path | None) -> Path | None: ...  # noqa: D102
+
+    def names(self, kind: type[SharedDocument], beside: Path | None) -> list[str]: ...  # noqa: D102
+
+    def read(self, path: Path, kind: type[SharedDocument]) -> Loaded[SharedDocument]: ...  # noqa: D102
 
 
 class SharedPart(NamedTuple):
@@ -226,7 +234,9 @@ def _program_of(
     return program._replace(taken=frozenset(nodes["controllers"]))
 
 
-def with_shared(loaded: Loaded[ProgramDocument], library: Library) -> Loaded[ProgramDocument]:
+def with_shared(
+    loaded: Loaded[ProgramDocument], library: SharedDocuments
+) -> Loaded[ProgramDocument]:
     """Return a program with the shared parts that it calls among its own, by the call's text.
 
     A controller of its own that is one call alone, as `level: keep_orientation($arm)`, is that
@@ -240,7 +250,7 @@ def with_shared(loaded: Loaded[ProgramDocument], library: Library) -> Loaded[Pro
 
 
 class _TakingUp:
-    def __init__(self, loaded: Loaded[ProgramDocument], library: Library) -> None:
+    def __init__(self, loaded: Loaded[ProgramDocument], library: SharedDocuments) -> None:
         self._loaded, self._library = loaded, library
         self._faults = Diagnostics()
         self._unknown: set[str] = set()
