@@ -33,11 +33,11 @@ Steps = tuple[str | int, ...]
 class SharedDocuments(Protocol):
     """What a library offers to find shared documents; see there."""
 
-    def find(self, kind: type[SharedDocument], name: str, beside: Path | None) -> Path | None: ...  # noqa: D102
+    def find(self, kind: type[SharedDocument], name: str, beside: Path | None) -> Path | None: ...
 
-    def names(self, kind: type[SharedDocument], beside: Path | None) -> list[str]: ...  # noqa: D102
+    def names(self, kind: type[SharedDocument], beside: Path | None) -> list[str]: ...
 
-    def read(self, path: Path, kind: type[SharedDocument]) -> Loaded[SharedDocument]: ...  # noqa: D102
+    def read(self, path: Path, kind: type[SharedDocument]) -> Loaded[SharedDocument]: ...
 
 
 class SharedPart(NamedTuple):
