@@ -137,7 +137,7 @@ def _examine(
                 return UNKNOWN
             loaded, values = bound, {k: v for k, v in values.items() if k != ROBOT}
         checked = _ProgramCheck(loaded, values, session, diagnostics, budget).check()
-        # What seems unused may be meant by a name with an error.
+        # A part that seems unused may be meant by a name with an error.
         diagnostics.extend(() if diagnostics.failed else loaded.shared_faults)
         return checked
     except DiagnosticsError as error:

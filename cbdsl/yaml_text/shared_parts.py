@@ -31,7 +31,7 @@ Steps = tuple[str | int, ...]
 
 
 class SharedDocuments(Protocol):
-    """What a library offers to find shared documents; see there."""
+    """Methods of a library that find shared documents; see ``Library``."""
 
     def find(self, kind: type[SharedDocument], name: str, beside: Path | None) -> Path | None: ...
 
@@ -46,7 +46,7 @@ class SharedPart(NamedTuple):
     Attributes:
         section: Section that holds it.
         signature: Name with its parameters, as written.
-        node: Its declaration.
+        node: Declaration.
         siblings: All parts of the document, by name.
     """
 
@@ -72,7 +72,7 @@ class SharedPart(NamedTuple):
 
 
 def shared_parts(loaded: Loaded[SharedDocument], faults: Diagnostics) -> dict[str, SharedPart]:
-    """Return the parts of a shared document by name, and report those that no program can call."""
+    """Return the parts of a shared document by name; report parts that no program can call."""
     parts: dict[str, SharedPart] = {}
     for section in ("controllers", "conditions"):
         entries = loaded.source.node((section,)).steps() if loaded.source.holds(section) else ()
@@ -184,8 +184,8 @@ def as_program(
 
     Args:
         loaded: Shared document.
-        parts: Its parts, without faults.
-        text: Its text.
+        parts: Parts without faults.
+        text: Text of its file.
     """
     values = {
         name: value if value in parts or value[:1] in "+-.0123456789" else f"${name}"

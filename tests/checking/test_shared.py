@@ -1,4 +1,4 @@
-"""Shared controllers: what a program takes up by name is as if it were written in the program."""
+"""Shared controllers, which count as if the program contained them."""
 
 from __future__ import annotations
 

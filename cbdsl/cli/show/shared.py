@@ -23,7 +23,7 @@ Shared = Annotated[
 
 
 def show_shared(name: Shared, format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """Show what programs can take up from a document of shared controllers."""
+    """Show the controllers and conditions of a shared document by their signatures."""
     from cbdsl.cli.output.terminal import print_json
     from cbdsl.documents.shared import SharedDocument
     from cbdsl.yaml_text.library import Library
@@ -42,7 +42,7 @@ def show_shared(name: Shared, format_: PlainFormat = "text", as_json: Json = Fal
 
 
 def _lines(document: SharedDocument) -> list[tuple[str, str]]:
-    """Return each signature with what it does, in short."""
+    """Return each signature with a short description."""
     lines = []
     for signature, part in document.controllers.items():
         if isinstance(part, str):
