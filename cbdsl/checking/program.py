@@ -19,7 +19,7 @@ from cbdsl.checking.rules.conditions import check_conditions
 from cbdsl.checking.rules.flow import check_flow
 from cbdsl.checking.rules.guards import check_guards
 from cbdsl.checking.rules.outcome_states import check_ends, read_ends
-from cbdsl.checking.rules.shared import faults_of_shared
+from cbdsl.checking.rules.shared_documents import faults_of_shared
 from cbdsl.checking.rules.suspicious_parts import check_suspicious
 from cbdsl.checking.rules.unused_parts import check_unused
 from cbdsl.checking.session import Session

@@ -35,7 +35,7 @@ class SharedDocument(Document):
 SHARED = Kind(
     SharedDocument,
     folder="programs/shared",
-    checker="cbdsl.checking.rules.shared:check_shared",
+    checker="cbdsl.checking.rules.shared_documents:check_shared",
     unknown="CB628",
     references={"robot": "robot"},
     stand_ins={"robot": "unknown"},
