@@ -82,6 +82,9 @@ class RestCause(NamedTuple):
         return self.holders[0] if self.holders else "" if self.kind == CREEPING else self.kind
 
     def __str__(self) -> str:
+        if self.kind == BLOCKED:
+            reasons = f" ({'; '.join(self.obstructions)})" if self.obstructions else ""
+            return f"{BLOCKED} at {enumerated(self.joints)}{reasons}"
         return f"held by {' and '.join(self.words)}" if self.kind == HELD else self.kind
 
     @property
@@ -89,6 +92,11 @@ class RestCause(NamedTuple):
         """Holders, with the pairs of links in place of their clearance."""
         clear = f"the clearance of {some(self.pairs, 1)}"
         return [clear if holder == CLEARANCE else holder for holder in self.holders]
+
+
+def enumerated(names: Sequence[str]) -> str:
+    """Return names as a list in words, such as "a, b and c"."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
 class Balance(NamedTuple):

@@ -6,7 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
-from cbdsl.runtime.causes import BLOCKED, CREEPING, HELD, LIMITS, OUT_OF_REACH, RestCause
+from cbdsl.runtime.causes import (
+    BLOCKED,
+    CREEPING,
+    HELD,
+    LIMITS,
+    OUT_OF_REACH,
+    RestCause,
+    enumerated,
+)
 from cbdsl.runtime.controllers.controller_run import NEAR_GOAL, ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
@@ -205,19 +213,15 @@ def _reason(cause: RestCause | None) -> str:
     """Return the cause of a stuck controller, as words behind "is stuck"."""
     if cause is None:
         return ""
-    limits = f"the limit{'s' if len(cause.joints) > 1 else ''} of {_enumerated(cause.joints)}"
+    limits = f"the limit{'s' if len(cause.joints) > 1 else ''} of {enumerated(cause.joints)}"
     holders = [limits if holder == LIMITS else holder for holder in cause.words]
     return {
         LIMITS: f" at {limits}",
-        HELD: f", held by {_enumerated(holders)}",
-        BLOCKED: f", blocked at {_enumerated(cause.joints)}{_obstructed(cause)}",
+        HELD: f", held by {enumerated(holders)}",
+        BLOCKED: f", {cause}",
         CREEPING: ", still creeping",
         OUT_OF_REACH: " out of reach",
     }.get(cause.kind, f" at a {cause.kind}")
-
-
-def _obstructed(cause: RestCause) -> str:
-    return f" ({'; '.join(cause.obstructions)})" if cause.obstructions else ""
 
 
 def _at_best(lead: ControllerRun, cause: RestCause | None) -> str:
@@ -225,10 +229,6 @@ def _at_best(lead: ControllerRun, cause: RestCause | None) -> str:
     if cause is None or cause.kind != OUT_OF_REACH or lead.error <= (1.0 + _SAME) * cause.least:
         return ""
     return f" (another posture is {_measure(lead, cause.least)} away)"
-
-
-def _enumerated(names: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
 def _measure(lead: ControllerRun, error: float) -> str:

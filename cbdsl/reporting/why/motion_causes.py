@@ -106,7 +106,8 @@ def _reason(
     holders = Counter(history.holder(int(n)) for n in course.holders[late])
     holder = holders.most_common(1)[0][0]
     if stated and not stated.startswith("held by") and stated != causes.CREEPING:
-        return _KINDS.get(stated, "stuck"), f": {stated}"
+        kind = next((kind for key, kind in _KINDS.items() if stated.startswith(key)), "stuck")
+        return kind, f": {stated}"
     limits = _most(arrays["at_limits"], late, history.summary["joints"])
     if holder == causes.LIMITS or (
         limits and share < _SMALL_SHARE and holder in ("", causes.OPTIMUM)

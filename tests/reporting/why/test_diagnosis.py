@@ -12,6 +12,7 @@ import cbdsl.reporting.why as package
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.reporting.why.diagnosis import FAMILIES, diagnose
 from cbdsl.reporting.why.history import History
+from cbdsl.runtime.causes import BLOCKED, OUT_OF_REACH, SINGULAR, RestCause
 from cbdsl.runtime.recording import SIGHT
 from tests.reporting.conftest import Record
 from tests.reporting.why.made import TICKS, course, flags, made, predicates, transition
@@ -150,3 +151,20 @@ def _all(history: History) -> list[str]:
     diagnosis = diagnose(history)
     first = [] if diagnosis.cause is None else [diagnosis.cause]
     return [each.kind for each in (*first, *diagnosis.others)]
+
+
+@pytest.mark.parametrize(
+    ("cause", "kind"),
+    [
+        (RestCause(BLOCKED, joints=("elbow",), obstructions=("pad touches base",)), "not_followed"),
+        (RestCause(BLOCKED, joints=("shoulder", "elbow")), "not_followed"),
+        (RestCause(OUT_OF_REACH), "out_of_reach"),
+        (RestCause(SINGULAR), "stuck"),
+    ],
+    ids=str,
+)
+def test_diagnosis_states_the_recorded_cause_in_full(cause: RestCause, kind: str) -> None:
+    history = made({"causes": {"reach": str(cause)}}, transitions=_TIMED_OUT)
+    first = diagnose(history).cause
+    assert first is not None
+    assert first.kind == kind and first.sentence.endswith(f": {cause}")
