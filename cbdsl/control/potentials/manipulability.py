@@ -6,7 +6,7 @@ derivative of w by the entries of J is w (J J^T)^-1 J. By the singular value
 decomposition of J, it is the sum of (w / s_i) u_i v_i^T. The factors are products of the other
 singular values, so that it is bounded everywhere. At a singularity w has a kink: one s_i vanishes,
 and v_i may be any null vector of J. For every choice, the gradient points to growing w unless it
-vanishes.
+vanishes: where several s_i do, see ``_LEAST``.
 
 Several tips simultaneously, as rows of one Jacobian, give the product of their manipulabilities if
 they have no joint in common.
@@ -29,6 +29,8 @@ from cbdsl.program.controller import Controller
 # Determinant of J J^T, as part of its trace to the m-th power, above which J is far from a
 # singularity. Squaring its condition then costs no more than 1e-7 of the gradient.
 _CLEAR = 1e-9
+# Share of the largest singular value below which two of them vanish together.
+_LEAST = 0.01
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
@@ -129,11 +131,13 @@ def _volume_near_singularity(jacobian: Floats, gradient: Floats) -> float:
         sizes[i] = norm(turned[i])
         size *= sizes[i]
         fill(gradient[i], 0.0)
-    direction = np.empty(jacobian.shape[1])
+    # Several vanishing values would keep each other down, so that each takes the others as larger.
+    # That is still a direction in which all grow.
+    direction, least = np.empty(jacobian.shape[1]), _LEAST * np.max(sizes)
     for i in range(rows):
-        others = 1.0
+        others, small = 1.0, (least if sizes[i] < least else 0.0)
         for k in range(rows):
-            others *= sizes[k] if k != i else 1.0
+            others *= max(sizes[k], small) if k != i else 1.0
         if others > 0.0:
             _right_vector(turned, sizes, i, direction)
             for row in range(rows):

@@ -124,3 +124,17 @@ def test_printed_law_reaches_singularities_and_ours_leaves_them(rng: np.random.G
 def test_fewer_joints_than_components_are_refused() -> None:
     with pytest.raises(ValueError, match="2 joints cannot all move 6 components"):
         of_jacobian(6, 2)
+
+
+@pytest.mark.parametrize("least", [0.0, 1e-12, 1e-6, 1e-3])
+@pytest.mark.parametrize("vanishing", [1, 2, 3])
+def test_stretched_chain_leaves_a_posture_where_several_values_vanish(
+    least: float, vanishing: int, rng: np.random.Generator
+) -> None:
+    left, right = orthonormal(4, 4, rng), orthonormal(4, 7, rng)
+    values = np.append(np.linspace(2.0, 1.0, 4 - vanishing), np.full(vanishing, least))
+    start, curvature = (left * values) @ right, rng.normal(size=(4, 7, 7))
+    here = of(start, curvature)
+    along = -here.jacobian[0] / np.linalg.norm(here.jacobian[0])
+    nearby = of(start + 0.01 * curvature @ along, curvature)
+    assert np.linalg.norm(here.jacobian) > 1e-4 and nearby.phi < here.phi
