@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -182,8 +182,12 @@ class RunOptions:
         if self.policy is not None and self.schema is not None:
             raise UsageError("a schema names its policy: give --policy or --schema, not both")
 
-    def request(self, program: str) -> RunRequest:
+    def request(self, program: str, given: Mapping[Path, bytes] | None = None) -> RunRequest:
         """Return the request of a program, located, read and checked.
+
+        Args:
+            program: File or name of the program.
+            given: Contents that replace those of files.
 
         Raises:
             DiagnosticsError: A document has errors.
@@ -197,6 +201,7 @@ class RunOptions:
             schema=self.schema,
             calibration=self.calibration,
             body=self.body,
+            given=given,
         ).at_rate(self.rate)
         request = request.with_clearance(self.clearance)
         _require_context(request.stage, self.context)

@@ -118,6 +118,7 @@ def read_request(
     body: int | None = None,
     uncalibrated: bool = False,
     folder: Path | None = None,
+    given: Mapping[Path, bytes] | None = None,
 ) -> RunRequest:
     """Read and check the requested documents.
 
@@ -131,6 +132,7 @@ def read_request(
         body: Number of the simulated body; the stage's if ``None``.
         uncalibrated: True if the robot uses the camera poses of its model.
         folder: Folder to search for documents by name; the working folder if ``None``.
+        given: Contents that replace those of files.
 
     Raises:
         DiagnosticsError: A document has errors.
@@ -143,7 +145,7 @@ def read_request(
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.yaml_text.library import Library
 
-    library = Library(folder)
+    library = Library(folder, given)
     path = library.locate(ProgramDocument, program)
     checked = check_program(path, values, library)
     robot_file = library.find(RobotDocument, checked.robot, path)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +19,7 @@ from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 from cbdsl.cli.run import RunOptions
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.yaml_text.library import shipped
 
 if TYPE_CHECKING:
     from cbdsl.reporting.why.history import History
@@ -36,6 +38,18 @@ Page = Annotated[
 ]
 
 
+Try = Annotated[
+    bool,
+    typer.Option(
+        "--try",
+        help="Program: try changes of its numbers on the failed seed, and then on five others.",
+    ),
+]
+Apply = Annotated[
+    bool, typer.Option("--apply", help="As --try, and write the best change to its document.")
+]
+
+
 @grouped
 def why(
     what: What,
@@ -44,24 +58,33 @@ def why(
     as_json: Json = False,
     page: Page = None,
     open_: Open = True,
+    try_: Try = False,
+    apply: Apply = False,
 ) -> None:
     """Print the first cause of an episode that did not succeed.
 
     The cause rests on the predicates, levels and signals of the recording; the truth of a
     simulation is not read. If no cause is known, the causes that are ruled out are printed.
     A program runs first, with the options of cb run; a recording needs none of them.
+    With --try, single changes of speeds, forces, gains, windows, guards and limits run on the same
+    seed, with the same world and noise. A change is printed if it raises the rate of success on
+    five fresh seeds. Goals and tolerances stay.
 
     Exit 0 if each episode succeeded or has a known cause, and 3 if a cause is unknown. Exit 1 if a
     document has errors, and 2 if there is nothing to explain.
     """
     if page is not None:
         require_room(page)
+    if (try_ or apply) and _is_recording(what):
+        raise UsageError("a recording cannot run again: give the program and its seed to --try")
     unknown = False
     with _recordings(what, options) as files:
         for file in files:
             history, diagnosis = diagnosed(file)
             row = diagnosis_row(history, diagnosis)
             row["changed"] = _changed(history)
+            if (try_ or apply) and diagnosis.failed:
+                row |= _patched(what, options, row, apply=apply)
             print(json.dumps(row, ensure_ascii=False) if as_json else _text(row), flush=True)
             unknown |= diagnosis.failed and diagnosis.cause is None
             if page is not None and diagnosis.failed:
@@ -79,7 +102,7 @@ def why(
 def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
     """Yield the recordings to explain; those of a program are made one by one, and temporary."""
     path = Path(what)
-    if path.is_dir() or path.suffix in (".json", ".npz"):
+    if _is_recording(what):
         with needing_simulation():
             from cbdsl.reporting.recorded import find_recordings
         yield iter(find_recordings(path))
@@ -96,6 +119,33 @@ def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
             context=options.context,
             gui=options.gui,
         )
+
+
+def _is_recording(what: str) -> bool:
+    path = Path(what)
+    return path.is_dir() or path.suffix in (".json", ".npz")
+
+
+def _patched(
+    what: str, options: RunOptions, row: Mapping[str, Any], *, apply: bool
+) -> dict[str, Any]:
+    """Return the number of tried changes and the best one, which is written if requested."""
+    from cbdsl.cli.failures.patches import try_patches
+    from cbdsl.storage.atomic_file import write_text
+
+    kind = "" if row["cause"] is None else row["cause"]["kind"]
+    request, read = options.request(what), partial(options.request, what)
+    place = options.backend, options.cameras, options.context
+    tried, best = try_patches(request, read, row["seed"], kind, *place)
+    if best is None:
+        return {"tried": tried, "patch": None}
+    patch = best.patch
+    if apply and patch.file.is_relative_to(shipped()):
+        raise UsageError(f"{patch} would change a shipped document: copy it beside the program")
+    if apply:
+        write_text(patch.text, patch.file, follow=True)
+    rates = {"before": best.before, "after": best.after, "seeds": best.seeds}
+    return {"tried": tried, "patch": {"edit": str(patch), "applied": apply, **rates}}
 
 
 def _changed(history: History) -> str:
@@ -137,4 +187,10 @@ def _text(row: dict[str, Any]) -> str:
         lines += [
             f"  then at {each['time']:.2f} s: {each['sentence']}" for each in row["others"][:3]
         ]
+    if patch := row.get("patch"):
+        lines.append(("changed " if patch["applied"] else "would help: ") + patch["edit"])
+        seeds = f"{patch['seeds']} fresh seeds"
+        lines.append(f"  {seeds}: {patch['before']} succeeded before, {patch['after']} after")
+    elif "tried" in row:
+        lines.append(f"none of {row['tried']} tried changes raised the rate of success")
     return "\n".join([f"{heading}:", *(f"  {line}" for line in lines)])

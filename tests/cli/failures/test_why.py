@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.api.requests.run_request import read_request
+from cbdsl.cli.failures.patches import patches
 from tests.cli.test_main import cb
+from tests.conftest import ROOT
 from tests.reporting.conftest import Record, kept, play, record
 from tests.runtime.synthetic import World
 
@@ -35,6 +38,62 @@ def test_why_as_json_has_the_cause_and_the_ruled_out_families(
     row = json.loads(capsys.readouterr().out)
     assert (row["failed"], row["cause"]["kind"], row["cause"]["tick"]) == (True, "never_seen", 0)
     assert row["ruled_out"]
+
+
+@pytest.fixture
+def hasty(tmp_path: Path) -> Path:
+    """Return a program whose actions have too little time."""
+    text = (ROOT / "programs" / "sixaxis_reach.yaml").read_text("utf-8")
+    file = tmp_path / "sixaxis_reach.yaml"
+    file.write_text(f"{text}limits: {{transition_time: 2 s}}  # too short\n", "utf-8")
+    return file
+
+
+KINEMATIC = ("--backend", "kinematic", "--seed", "3")
+
+
+def test_why_tries_changes_and_applies_the_one_that_helps(
+    hasty: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = hasty.read_text("utf-8")
+    assert cb(monkeypatch, "why", str(hasty), *KINEMATIC, "--json", "--try") == 0
+    row = json.loads(capsys.readouterr().out)
+    assert row["patch"]["edit"].endswith("limits.transition_time: 2 s -> 4 s")
+    assert (row["patch"]["before"], row["patch"]["after"], row["patch"]["seeds"]) == (0, 5, 5)
+    assert hasty.read_text("utf-8") == before
+    assert cb(monkeypatch, "why", str(hasty), *KINEMATIC, "--apply") == 0
+    assert "changed " in capsys.readouterr().out
+    assert hasty.read_text("utf-8") == before.replace("2 s}", "4 s}")
+    assert cb(monkeypatch, "run", str(hasty), *KINEMATIC, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["succeeded"]
+
+
+def test_why_offers_no_change_that_does_not_help(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("why", "reach", "--stage", "out_of_reach", "--backend", "kinematic", "--try")
+    assert cb(monkeypatch, *words) == 0
+    assert "tried changes raised the rate of success" in capsys.readouterr().out
+
+
+def test_patches_change_one_number_and_neither_goals_nor_tolerances(hasty: Path) -> None:
+    request = read_request(str(hasty), None, None, {})
+    made = patches(request, "time")
+    assert made[0].keys == ("limits", "transition_time")
+    assert len({each.text for each in made}) == len(made)
+    text = hasty.read_text("utf-8").splitlines()
+    for patch in made:
+        changed = patch.text.splitlines()
+        assert [n + 1 for n, line in enumerate(text) if line != changed[n]] == [patch.line]
+        assert patch.keys[-1] not in ("tolerance", "within", "arrival", "rate")
+        assert not patch.before.startswith("[")
+
+
+def test_why_refuses_to_try_changes_of_a_recording(
+    blind: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "why", str(blind), "--try") == 2
+    assert "a recording cannot run again" in capsys.readouterr().err
 
 
 def test_why_of_a_success_has_nothing_to_explain(
