@@ -11,18 +11,16 @@ from cbdsl.api.requests.run_request import RunRequest, read_request
 from cbdsl.cli.episodes.program_watch import ProgramWatch
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.tick import Tick
+from tests.cli.arm_program import TEXT
 from tests.cli.test_main import cb
-from tests.conftest import ROOT
-
-NAME = "sixaxis_reach.yaml"
 
 
 class Watched:
     """Watch of a copy of a program, with its offers and reports."""
 
     def __init__(self, folder: Path) -> None:
-        self.file = folder / NAME
-        self.file.write_text((ROOT / "programs" / NAME).read_text("utf-8"), "utf-8")
+        self.file = folder / "raise_arm.yaml"
+        self.file.write_text(TEXT, "utf-8")
         self.offers: list[CheckedProgram] = []
         self.reports: list[tuple[str, tuple[str, ...]]] = []
         self.time = 0.0
@@ -108,7 +106,7 @@ def test_run_refuses_outputs_that_an_edit_would_break(
     words: tuple[str, ...],
     message: str,
 ) -> None:
-    assert cb(monkeypatch, "run", "sixaxis_reach", "--watch", *words) == 2
+    assert cb(monkeypatch, "run", "posture", "--watch", *words) == 2
     assert message in capsys.readouterr().err
 
 
@@ -133,4 +131,4 @@ def test_run_takes_up_an_edit_and_prints_it(
     printed = capsys.readouterr()
     assert len(printed.out.splitlines()) == 1, "the standard output is for scripts"
     assert "the edit waits for the next change of state" in printed.err
-    assert "takes up the edited sixaxis_reach" in printed.err
+    assert "takes up the edited raise_arm" in printed.err

@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.cli.failures.patches import patches
+from tests.cli.arm_program import TEXT
 from tests.cli.test_main import cb
-from tests.conftest import ROOT
 from tests.reporting.conftest import Record, kept, play, record
 from tests.runtime.synthetic import World
 
@@ -43,9 +43,8 @@ def test_why_as_json_has_the_cause_and_the_ruled_out_families(
 @pytest.fixture
 def hasty(tmp_path: Path) -> Path:
     """Return a program whose actions have too little time."""
-    text = (ROOT / "programs" / "sixaxis_reach.yaml").read_text("utf-8")
-    file = tmp_path / "sixaxis_reach.yaml"
-    file.write_text(f"{text}limits: {{transition_time: 2 s}}  # too short\n", "utf-8")
+    file = tmp_path / "raise_arm.yaml"
+    file.write_text(f"{TEXT}limits: {{transition_time: 2 s}}  # too short\n", "utf-8")
     return file
 
 
