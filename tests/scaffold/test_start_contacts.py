@@ -10,6 +10,8 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.self_contacts import SelfContacts
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb
 from tests.kinematics.test_self_contacts import two_arms
@@ -79,3 +81,55 @@ def test_missing_mesh_reader_is_reported_with_the_unchecked_contacts(
     robot = proposed(folder, monkeypatch, two_arms())
     assert robot.simulation.no_contact == ()
     assert "links that touch each other were not looked for" in capsys.readouterr().err
+
+
+def broad_arms(apart: float) -> str:
+    """Return a robot with two parallel arms of three joints, whose upper links are 12 cm wide."""
+    inertia = (
+        '<inertial><mass value="0.5"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" '
+        'ixz="0" iyz="0"/></inertial>'
+    )
+    box = (
+        '<collision><origin xyz="0.2 0 0"/><geometry><box size="0.2 0.12 0.05"/></geometry>'
+        "</collision>"
+    )
+    parts = ['<link name="base"/>']
+    for side, y in (("left", apart / 2), ("right", -apart / 2)):
+        parent, at = "base", f"0 {y} 0.8"
+        for n, axis in enumerate(("0 0 1", "0 1 0", "0 1 0")):
+            link = f"{side}_{n}"
+            parts += [
+                f'<link name="{link}">{inertia}{box if n else ""}</link>',
+                f'<joint name="{side}_joint_{n}" type="revolute"><parent link="{parent}"/>'
+                f'<child link="{link}"/><origin xyz="{at}"/><axis xyz="{axis}"/>'
+                '<limit lower="-2" upper="2" effort="100" velocity="2"/></joint>',
+            ]
+            parent, at = link, "0 0 0" if n == 0 else "0.35 0 0"
+        parts += [
+            f'<link name="{side}_hand"/><joint name="{side}_mount" type="fixed">'
+            f'<parent link="{parent}"/><child link="{side}_hand"/><origin xyz="0.35 0 0"/></joint>'
+        ]
+    return f'<robot name="two_arms">{"".join(parts)}</robot>'
+
+
+@pytest.mark.parametrize("apart", [0.04, 0.08, 0.11])
+def test_arms_that_meet_are_turned_apart(
+    apart: float,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    robot = proposed(folder, monkeypatch, broad_arms(apart))
+    assert "where it starts" not in capsys.readouterr().err
+    assert robot.simulation.no_contact == ()
+    starts = [each.postures[each.start or ""] for each in robot.effectors.values()]
+    model = read_urdf(folder / "two_arms.urdf")
+    names = [joint for each in robot.effectors.values() for joint in each.joints]
+    at = dict(zip(names, [angle for start in starts for angle in start], strict=True))
+    assert not SelfContacts(model).touching(at)
+    assert any("apart" in each.postures for each in robot.effectors.values())
+
+
+def test_arms_with_room_are_not_turned(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = proposed(folder, monkeypatch, broad_arms(0.5))
+    assert not any("apart" in each.postures for each in robot.effectors.values())
