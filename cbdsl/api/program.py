@@ -10,7 +10,7 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive, Relative
 from cbdsl.program.schema import NO_FEATURES, Features, Ranking, Schema
 from cbdsl.program.state_values import state_values
-from cbdsl.runtime.policies.own_policy import own_policy
+from cbdsl.runtime.policies.learned_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy, WrittenPolicy
 from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.decision_tree import Split, Tree, decide, splits

@@ -5,20 +5,23 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from itertools import pairwise
 from time import sleep
-from typing import TYPE_CHECKING
+from traceback import walk_tb
+from typing import TYPE_CHECKING, NoReturn
 
-from cbdsl.cli.arguments.words import asks_for_backends, require_words
 from cbdsl.cli.process.legible_output import legible_output
 from cbdsl.cli.process.standard_streams import fill_closed_streams
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.numeric.numba_settings import ignore_settings_of_folder
 
 if TYPE_CHECKING:
     import typer
 
     from cbdsl.diagnostics.diagnostic import Diagnostic
+
 
 # Shells report 128 plus the number of the signal; SIGINT is 2.
 _INTERRUPTED = 130
@@ -62,11 +65,8 @@ def main() -> None:
         with legible_output():
             _run(sys.argv[1:], lost)
     except SystemExit as end:
-        if end.code == _INTERRUPTED:
-            from cbdsl.cli.process.interrupted_compilation import is_of_compiler, leave
-
-            if is_of_compiler(end):
-                leave(_INTERRUPTED)
+        if end.code == _INTERRUPTED and is_of_compiler(end):
+            leave(_INTERRUPTED)
         raise
 
 
@@ -173,8 +173,6 @@ def _await_lost_interrupt(error: Exception) -> None:
 
     Such a callback stores machine code, which the compiler then misses.
     """
-    from cbdsl.cli.process.interrupted_compilation import is_of_compiler
-
     if is_of_compiler(error):
         with suppress(KeyboardInterrupt):
             sleep(1.0)  # until it is raised again
@@ -224,3 +222,77 @@ def _report(error: Exception) -> int:
     print_problem(f"internal error: {type(error).__name__}: {error}")
     print_problem("CB_TRACEBACK=1 shows where; please report it")
     return 2
+
+
+_HELP = ("--help", "-h", "help")
+
+
+def asks_for_backends(words: Sequence[str]) -> bool:
+    """Return whether a word for help stands in place of a backend: ``--backend --help``.
+
+    Args:
+        words: Command-line words after ``cb``.
+
+    Raises:
+        UsageError: ``--backend`` is the last word and has no name.
+    """
+    if words[-1:] == ["--backend"]:
+        raise UsageError(f"--backend is given no name (known: {', '.join(_backends())})")
+    # Without this case, `--help` would be an unknown backend.
+    pairs = pairwise(words)
+    return any(before == "--backend" and word in _HELP for before, word in pairs)
+
+
+def _backends() -> Sequence[str]:
+    """Return the names of all backends."""
+    from cbdsl.cli.episodes.simulation import needing_simulation
+
+    with needing_simulation():
+        from cbdsl.backends.backend import BACKENDS
+    return BACKENDS.names()
+
+
+def require_words(words: Sequence[str]) -> None:
+    """Reject an empty word, which is most often an unset variable of a shell.
+
+    An empty path would be the working folder, and an empty name the default.
+
+    Args:
+        words: Command-line words after ``cb``.
+
+    Raises:
+        UsageError: A word is empty, or the text of an option after ``=`` is.
+    """
+    for before, word in zip(["cb", *words], words, strict=False):
+        option, equals, text = word.partition("=")
+        if option.startswith("--") and equals and not text:
+            raise UsageError(f"{option} is given an empty text")
+        # `cb run "$PROGRAM"` reaches this with an unset variable.
+        if not word:
+            place = f"{before} is given" if before.startswith("--") else f"after '{before}' stands"
+            raise UsageError(f"{place} an empty text")
+
+
+_COMPILER = ("numba", "llvmlite")
+
+
+# The compiler passes the ownership of modules to LLVM in two steps: a call of C, and a note in the
+# Python object. An interrupt between the two leaves a module with two owners. The destructor of the
+# object then frees it a second time, and the process ends by SIGABRT or SIGSEGV. The exception
+# keeps the object alive as long as it is handled, so that the process has to end meanwhile.
+def is_of_compiler(error: BaseException | None) -> bool:
+    """Return whether an error, or an error that led to it, was raised within the compiler."""
+    while error is not None:
+        for frame, _ in walk_tb(error.__traceback__):
+            if frame.f_globals.get("__name__", "").partition(".")[0] in _COMPILER:
+                return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def leave(code: int) -> NoReturn:
+    """End the process without the destructors of its objects."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code)

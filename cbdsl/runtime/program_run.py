@@ -22,7 +22,7 @@ from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.controllers.controller_runs import ControllerRuns
 from cbdsl.runtime.fruitless_loop import FruitlessLoop
 from cbdsl.runtime.lost_objects import LostObjects
-from cbdsl.runtime.policies.own_policy import own_policy
+from cbdsl.runtime.policies.learned_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy
 from cbdsl.runtime.rewards import Rewards
 from cbdsl.sensing.signals import Signals

@@ -6,8 +6,13 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
+from xml.etree import ElementTree
 
-# Imports are inside of functions, so that a command imports only the reader of its format.
+from cbdsl.robot.package_folders import PackageFolders
+from cbdsl.robot.robot_xml import xml_root
+from cbdsl.robot.urdf import UrdfError
+from cbdsl.storage.contents import is_file
+
 if TYPE_CHECKING:
     from cbdsl.robot.package_folders import PackageFolders
     from cbdsl.robot.srdf import SrdfModel
@@ -145,7 +150,6 @@ class ModelReader:
             ) from None
 
     def _local(self, text: str | bytes, how: str, name: str, folder: Path) -> ModelSource:
-        from cbdsl.robot.local_urdf import localized
 
         urdf = localized(text, self._file, folder, self._packages, name)
         return self._written(urdf, how, name, folder, {}, ())
@@ -160,7 +164,6 @@ class ModelReader:
         remarks: tuple[str, ...],
     ) -> ModelSource:
         from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.robot.local_urdf import with_origin
         from cbdsl.robot.urdf_reader import parse_urdf
 
         path = folder / f"{name}.urdf"
@@ -208,3 +211,49 @@ def _pairs(option: str, texts: Sequence[str], separator: str) -> dict[str, str]:
         if pairs.setdefault(name, value) != value:
             raise UsageError(f"{option} gives '{name}' twice: {pairs[name]} and {value}")
     return pairs
+
+
+def localized(
+    text: str | bytes, source: Path, folder: Path, packages: PackageFolders, name: str
+) -> str:
+    """Return a URDF with paths for another folder.
+
+    Args:
+        text: Text of the URDF.
+        source: Original file, to which the paths of its meshes are relative.
+        folder: Folder of the new file.
+        packages: Folders of packages, for ``package://NAME``.
+        name: Name of the robot, if the URDF has none.
+
+    Raises:
+        UrdfError: If it is not XML, or one of its meshes is missing.
+    """
+    root = xml_root(text, source, "URDF")
+    if not root.get("name"):
+        root.set("name", name)
+    for link in root.findall("link"):
+        for mesh in link.iter("mesh"):
+            mesh.set(
+                "filename", _localized_mesh(mesh, link.get("name", ""), source, folder, packages)
+            )
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _localized_mesh(
+    mesh: ElementTree.Element, link: str, source: Path, folder: Path, packages: PackageFolders
+) -> str:
+    name = mesh.get("filename", "")
+    try:
+        file = packages.mesh(name, source.resolve().parent)
+    except UrdfError as error:
+        raise UrdfError(f"{source}: link '{link}' has the mesh {name}: {error}") from None
+    if not is_file(file):
+        raise UrdfError(f"{source}: link '{link}' has the mesh {name}, and {file} is not there")
+    return Path(os.path.relpath(file, folder.resolve())).as_posix()
+
+
+def with_origin(text: str, origin: str) -> str:
+    """Return a URDF with a leading comment that states its origin."""
+    # Two hyphens end an XML comment.
+    return f'<?xml version="1.0"?>\n<!-- {origin.replace("--", "- -")} -->\n{text}\n'

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 from cbdsl.training.task import Task
-from cbdsl.training.workers.local_workers import run_on_workers
-from cbdsl.training.workers.supervisor import Supervisor
+from cbdsl.training.workers.local_workers import Supervisor, run_on_workers
 
 J = TypeVar("J", bound=Task)
 

@@ -11,7 +11,7 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.checking.suppression import apply_suppressions
 from cbdsl.diagnostics.diagnostic import Diagnostic
-from cbdsl.diagnostics.rendering import render
+from cbdsl.diagnostics.text_format import render
 from cbdsl.yaml_text.library import Library, shipped
 
 BAD = Path(__file__).parent / "bad"

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Related, Severity
-from cbdsl.diagnostics.rendering import render
+from cbdsl.diagnostics.text_format import render
 from cbdsl.diagnostics.wording import diagnose
 
 PLACE = Place("a.yaml", 2, 9, 13)

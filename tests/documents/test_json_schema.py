@@ -19,7 +19,7 @@ from cbdsl.documents.json_schema import common_values, json_schema
 from cbdsl.documents.kinds import models
 from cbdsl.types.unit import UNITS
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.repair.mending import mend
+from cbdsl.yaml_text.repair.repair import mend
 
 KINDS = models()
 

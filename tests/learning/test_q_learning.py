@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cbdsl.learning.q_learning import QLearning
+from cbdsl.learning.accommodate import QLearning
 from cbdsl.numeric.arrays import Floats
 
 GAMMA = 0.8

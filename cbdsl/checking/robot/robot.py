@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.drivers import check_drivers
 from cbdsl.checking.robot.implausible_settings import check_speeds, note_assumptions
-from cbdsl.checking.robot.meshes import check_meshes
 from cbdsl.checking.robot.model_agreement import (
     check_bodies,
     check_mimics,
@@ -35,6 +35,10 @@ from cbdsl.storage.contents import is_file
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
+
+if TYPE_CHECKING:
+    from cbdsl.robot.meshes.model_meshes import FaultyMesh
+
 
 Steps = tuple[Step, ...]
 
@@ -264,3 +268,25 @@ class _RobotCheck:
         if name not in names:
             place = self._source.place(*steps)
             self._diagnostics.add("CB308", place, names=list(names), name=name, what=what)
+
+
+def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics) -> None:
+    """Warn of missing mesh files, and report damaged ones.
+
+    An engine that reads no mesh can run a model without them. A damaged mesh is an error for all
+    engines, because each would treat it differently.
+    """
+    if not model.meshes:
+        return
+    # Most robots of a check have no meshes.
+    from cbdsl.robot.meshes.model_meshes import damaged_meshes, missing_meshes
+
+    for code, faults in (("CB741", missing_meshes(model)), ("CB366", damaged_meshes(model))):
+        if faults:
+            diagnostics.add(code, loaded.source.place("model"), **_details(faults))
+
+
+def _details(faults: list[FaultyMesh]) -> dict[str, str]:
+    more = f", and {len(faults) - 1} more" if len(faults) > 1 else ""
+    file, link, damage = faults[0]
+    return {"file": file, "link": link, "problem": damage, "more": more}

@@ -17,7 +17,7 @@ from typing import Any, TextIO, cast
 
 from cbdsl.diagnostics.legible_text import seen
 
-# Colours of diagnostics, only for terminals, equal to the colours of cbdsl.diagnostics.rendering.
+# Colours of diagnostics, only for terminals, equal to the colours of cbdsl.diagnostics.text_format.
 _COLORS = ("\033[0m", "\033[1m", "\033[1;31m", "\033[1;33m", "\033[36m")
 
 # Attributes that every text stream has, forwarded to the underlying stream.

@@ -18,7 +18,7 @@ from cbdsl.learning.knowledge_documents import curve_of
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.policies.own_policy import own_policy
+from cbdsl.runtime.policies.learned_policy import own_policy
 from cbdsl.runtime.policies.policy import Policy
 from cbdsl.types.decision_tree import Leaf, Tree
 from cbdsl.types.direction import DIRECTIONS, unit_of

@@ -7,7 +7,8 @@ from collections import Counter
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.policy_table import PolicyTable
 from cbdsl.program.schema import NO_FEATURES, Features
-from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.policy import Choice, Policy, WrittenPolicy
+from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.state import at_rest_anew
 
 # If an object slips away repeatedly, up to four approaches have preceded a grasp.
@@ -72,3 +73,10 @@ class LearnedPolicy(Policy):
         if count < _PATIENCE:
             return ""
         return f"it goes in circles: {self._state} -> {state} {count} times without a reward"
+
+
+def own_policy(program: CheckedProgram) -> Policy:
+    """Return the policy of a schema, a learned table or a written one, at its beginning."""
+    if program.schema is not None:
+        return SchemaPolicy(program)
+    return LearnedPolicy(program) if program.is_learned else WrittenPolicy(program.policy)

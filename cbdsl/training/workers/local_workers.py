@@ -17,11 +17,10 @@ from contextlib import contextmanager, suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.task import Task
-from cbdsl.training.workers.supervisor import Supervisor
 
 J = TypeVar("J", bound=Task)
 
@@ -195,3 +194,22 @@ def _interrupts_blocked() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
+J_contra = TypeVar("J_contra", contravariant=True, bound=Task)
+
+
+class Supervisor(Protocol[J_contra]):
+    """Observer of tasks that run in other processes."""
+
+    def done(self, task: J_contra, files: Sequence[Path], /) -> None:
+        """Note that a task ended and wrote these files."""
+        ...
+
+    def failed(self, task: J_contra, error: Exception, /) -> None:
+        """Note that a task failed; the others go on."""
+        ...
+
+    def look(self, workers: int) -> None:
+        """Note the number of workers; called every second."""
+        ...

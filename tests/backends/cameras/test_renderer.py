@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.bullet.tiny import TinyRenderer
+from cbdsl.backends.bullet.backend import TinyRenderer
 from cbdsl.backends.cameras import opengl
 from cbdsl.backends.cameras.opengl import OpenGLRenderer
 from cbdsl.backends.cameras.renderer import make_renderer

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from cbdsl.cli.process.interrupted_compilation import is_of_compiler
+from cbdsl.cli.main import is_of_compiler
 
 # An object that the compiler holds when it is interrupted, whose destructor ends the process.
 _SCRIPT = """

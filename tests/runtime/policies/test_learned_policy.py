@@ -13,8 +13,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.condition import ProgramCondition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.runtime.policies.learned_policy import LearnedPolicy
-from cbdsl.runtime.policies.own_policy import own_policy
+from cbdsl.runtime.policies.learned_policy import LearnedPolicy, own_policy
 from cbdsl.runtime.policies.policy import Choice, WrittenPolicy
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked

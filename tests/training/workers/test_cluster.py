@@ -27,8 +27,7 @@ from tests.training.tasks import made_tasks, outcome, run_here
 
 distributed = pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
 
-from cbdsl.training.workers.cluster import run_on_cluster  # noqa: E402
-from cbdsl.training.workers.worker import work  # noqa: E402
+from cbdsl.training.workers.cluster import run_on_cluster, work  # noqa: E402
 
 TRIALS, EPISODES = 3, 12
 ENDLESS = 1_000_000

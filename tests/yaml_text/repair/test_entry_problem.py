@@ -7,7 +7,7 @@ import re
 import pytest
 
 from cbdsl.documents.document import NAME_PATTERN
-from cbdsl.yaml_text.repair.entry_problem import named_instead, text_problem
+from cbdsl.yaml_text.repair.invalid_value import named_instead, text_problem
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library, shipped
-from cbdsl.yaml_text.repair.mending import mend
+from cbdsl.yaml_text.repair.repair import mend
 
 LINES = {
     path: path.read_text("utf-8").split("\n")
