@@ -12,6 +12,8 @@ extras=$(sed -n '/^\[project.optional-dependencies\]/,/^\[/s/^\([a-z0-9]*\) = .*
 for name in $(echo "$extra" | tr ',' ' '); do
     echo "$extras" | grep -qx "$name" || fail "unknown extra '$name'; allowed: $(echo "$extras" | paste -sd ' ' -)"
 done
+# Commands that need nothing but an engine come with all engines.
+case ",$extra," in *,sim,*) extra="$extra,calibration,report" ;; esac
 # The links of ROS 2 are of drivers.
 case ",$extra," in *,ros2,*) extra="$extra,drive" ;; esac
 projects=""

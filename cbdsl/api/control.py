@@ -22,20 +22,7 @@ from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.sensing.table.tips import Tips
 
 __all__ = [
-    "Floats",
-    "Frame",
-    "Kinematics",
-    "Law",
-    "LawSettings",
-    "Level",
-    "Potential",
-    "Rule",
-    "Tips",
-    "UrdfModel",
-    "localizability_potential",
-    "manipulability_potential",
-    "range_potential",
-    "read_urdf",
-    "rotation_vector",
-    "spring_potential",
-]
+    "Floats", "Frame", "Kinematics", "Law", "LawSettings", "Level", "Potential", "Rule",
+    "Tips", "UrdfModel", "localizability_potential", "manipulability_potential",
+    "range_potential", "read_urdf", "rotation_vector", "spring_potential",
+]  # fmt: skip

@@ -10,42 +10,30 @@ from cbdsl.documents.calibration import (
     CalibrationDocument,
     CalibrationOrigin,
 )
-from cbdsl.documents.catalog import CatalogDocument, StepColumns
+from cbdsl.documents.catalog import (
+    AffordanceSection,
+    CatalogDocument,
+    CatalogProvenance,
+    StepColumns,
+)
 from cbdsl.documents.document_digest import digest
 from cbdsl.documents.form import BoxForm
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
-from cbdsl.documents.policy import PolicyDocument, Provenance
+from cbdsl.documents.policy import Curve, PolicyDocument, Provenance
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import Camera, Correction, RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.storage.atomic_file import make_room, write_text
-from cbdsl.storage.digest import digest_of_text
+from cbdsl.storage.digest import digest_of_bytes, digest_of_text
 from cbdsl.yaml_text.writer import write
 
 __all__ = [
-    "BoxForm",
-    "CalibratedCamera",
-    "CalibrationDocument",
-    "CalibrationOrigin",
-    "Camera",
-    "CatalogDocument",
-    "Correction",
-    "Gaussian",
-    "Kernel",
-    "MetaCatalogDocument",
-    "ModelDocument",
-    "PolicyDocument",
-    "ProgramDocument",
-    "Provenance",
-    "RobotDocument",
-    "SchemaDocument",
-    "StageDocument",
-    "StepColumns",
-    "digest",
-    "digest_of_text",
-    "make_room",
-    "write",
+    "AffordanceSection", "BoxForm", "CalibratedCamera", "CalibrationDocument",
+    "CalibrationOrigin", "Camera", "CatalogDocument", "CatalogProvenance", "Correction",
+    "Curve", "Gaussian", "Kernel", "MetaCatalogDocument", "ModelDocument", "PolicyDocument",
+    "ProgramDocument", "Provenance", "RobotDocument", "SchemaDocument", "StageDocument",
+    "StepColumns", "digest", "digest_of_bytes", "digest_of_text", "make_room", "write",
     "write_text",
-]
+]  # fmt: skip

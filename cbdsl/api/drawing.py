@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
-from cbdsl.reporting.drawing.policy_graph import policy_graph
+from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph, pair_key, stack_key
+from cbdsl.reporting.drawing.pictogram import LETTERS
+from cbdsl.reporting.drawing.policy_graph import percent, policy_graph
 from cbdsl.reporting.drawing.policy_transitions import (
     ABOVE,
+    Decision,
     PolicyTransitions,
+    decisions,
     policy_transitions,
+    require_legible,
 )
 from cbdsl.reporting.drawing.schema_graph import schema_graph
 from cbdsl.reporting.drawing.svg import svg
 
 __all__ = [
-    "ABOVE",
-    "Layer",
-    "PolicyTransitions",
-    "catalog_icon",
-    "draw_policy",
-    "draw_schema",
-    "policy_transitions",
-]
+    "ABOVE", "LETTERS", "Decision", "Layer", "PolicyTransitions", "catalog_icon", "decisions",
+    "draw_policy", "draw_schema", "meta_catalog_graph", "pair_key", "percent", "policy_graph",
+    "policy_transitions", "require_legible", "stack_key", "svg",
+]  # fmt: skip
 
 
 def draw_policy(policy: PolicyTransitions) -> str:

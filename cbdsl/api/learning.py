@@ -13,11 +13,11 @@ from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.learning.catalogs.exploration import ExplorationStep
 from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
 from cbdsl.learning.catalogs.pair_recognition import recognise
-from cbdsl.learning.catalogs.stack_plan import StackPlan, plan_stack
+from cbdsl.learning.catalogs.stack_plan import StackPlan, pairs_of, plan_stack, plan_stacks
 from cbdsl.learning.catalogs.thing_graph import support_graph
 from cbdsl.learning.constants import AccommodateConstants, Form
 from cbdsl.learning.decisions import Decisions
-from cbdsl.learning.experience import Experience
+from cbdsl.learning.experience import EPISODES, Experience
 from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.learner import ASSIMILATE
 from cbdsl.numeric.affordance_model import AffordanceModel
@@ -26,29 +26,10 @@ from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.types.direction import DIRECTIONS
 
 __all__ = [
-    "ASSIMILATE",
-    "DIRECTIONS",
-    "NOOP",
-    "Accommodate",
-    "AccommodateConstants",
-    "ActionOutcome",
-    "AffordanceModel",
-    "Assimilate",
-    "AssimilateConstants",
-    "CatalogConstants",
-    "Decisions",
-    "Experience",
-    "ExplorationConstants",
-    "ExplorationStep",
-    "Form",
-    "ImpedanceGauge",
-    "ImpedanceProfile",
-    "ImpedanceTest",
-    "StackPlan",
-    "TransitionCounts",
-    "TriedContext",
-    "pair_models",
-    "plan_stack",
-    "recognise",
-    "support_graph",
-]
+    "ASSIMILATE", "DIRECTIONS", "EPISODES", "NOOP", "Accommodate", "AccommodateConstants",
+    "ActionOutcome", "AffordanceModel", "Assimilate", "AssimilateConstants",
+    "CatalogConstants", "Decisions", "Experience", "ExplorationConstants", "ExplorationStep",
+    "Form", "ImpedanceGauge", "ImpedanceProfile", "ImpedanceTest", "StackPlan",
+    "TransitionCounts", "TriedContext", "pair_models", "pairs_of", "plan_stack", "plan_stacks",
+    "recognise", "support_graph",
+]  # fmt: skip

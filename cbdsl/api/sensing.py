@@ -20,28 +20,8 @@ from cbdsl.sensing.vision.stereo import Ray, triangulate
 from cbdsl.types.resource import Headings, KernelSample, NetForces, NetLoad, Resource, Tip
 
 __all__ = [
-    "ControllerRun",
-    "EpisodeListeners",
-    "EpisodeObserver",
-    "FeatureReader",
-    "Headings",
-    "Image",
-    "KernelSample",
-    "NetForces",
-    "NetLoad",
-    "ProgramRun",
-    "Ray",
-    "Resource",
-    "Runner",
-    "Signals",
-    "Tick",
-    "Tip",
-    "bind",
-    "camera_errors",
-    "channel_names",
-    "heading",
-    "pair_features",
-    "resources",
-    "triangulate",
-    "within_view",
-]
+    "ControllerRun", "EpisodeListeners", "EpisodeObserver", "FeatureReader", "Headings",
+    "Image", "KernelSample", "NetForces", "NetLoad", "ProgramRun", "Ray", "Resource", "Runner",
+    "Signals", "Tick", "Tip", "bind", "camera_errors", "channel_names", "heading",
+    "pair_features", "resources", "triangulate", "within_view",
+]  # fmt: skip

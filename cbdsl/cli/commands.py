@@ -28,7 +28,6 @@ SUMMARIES = {
     "replay": "Write a self-contained page of a recorded episode.",
     "learn": "Learn the values of a program's actions from scratch, by discovering affordances.",
     "explore": "Explore the affordances of an object until its models have habituated (Chapter 6).",
-    "report": "Write a self-contained page of learned documents.",
     "playground": "Show a page on which a program is edited, checked, drawn and run, until Ctrl-C.",
     "lsp": "Serve an editor over the standard streams: diagnostics while typing, completion, "
     "hover.",
@@ -52,6 +51,7 @@ _PROVIDERS = {
     "judge": "cbdsl-reproduction",
     "calibrate": "cbdsl[calibration]",
     "drive": "cbdsl[ros2]",
+    "report": "cbdsl[report]",
     "drive.serve": "cbdsl[ros2]",
     "drive.watchdog": "cbdsl[ros2]",
     "export.tree": "cbdsl[trees]",

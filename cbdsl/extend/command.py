@@ -3,7 +3,8 @@
 An entry is a function with Typer's annotations, or a ``typer.Typer``; its docstring is its help. An
 entry ``drive.NAME`` or ``export.NAME`` adds a command to ``cb drive`` or ``cb export``.
 ``UsageError`` ends a command with its message and exit code 2, ``DiagnosticsError`` with its
-diagnostics and exit code 1. The names below are common options, progress, output and journals.
+diagnostics and exit code 1. The names below are common options, progress, output, pages and
+journals.
 
 ``declaration`` and ``verb`` derive a verb's signature and docstring from a class of its inputs;
 ``grouped`` derives the options of its command, ``call_text`` and ``command_text`` the texts that
@@ -32,29 +33,37 @@ if TYPE_CHECKING:
     from cbdsl.cli.arguments.assignments import read_assignments
     from cbdsl.cli.arguments.command_text import command_text
     from cbdsl.cli.arguments.option_groups import grouped
-    from cbdsl.cli.arguments.options import Cameras, Json, Policy, Program, Rate, With
+    from cbdsl.cli.arguments.options import Above, Cameras, Json, Open, Policy, Program, Rate, With
     from cbdsl.cli.arguments.workers import require_workers
     from cbdsl.cli.command_group import CommandGroup
     from cbdsl.cli.commands import commands_of
     from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
+    from cbdsl.cli.episodes.pages import open_page, require_room, write_page
     from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
     from cbdsl.cli.output.compilation import told_of_compilation
     from cbdsl.cli.output.progress import Progress
     from cbdsl.cli.output.terminal import print_json, print_line, print_problem, print_table
     from cbdsl.cli.process.native_output import shown_on_failure
     from cbdsl.cli.process.termination import stop_requests, termination_interrupts
+    from cbdsl.cli.show.meta_catalog import read_meta_catalog
+    from cbdsl.diagnostics.counting import count
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.diagnostics.reason import reason
-    from cbdsl.storage.journal import Journal, RowForm
+    from cbdsl.reporting.bundle import Bundle
+    from cbdsl.reporting.stack_command import stack_command
+    from cbdsl.reporting.template import filled
+    from cbdsl.storage.journal import MOST_BYTES, Journal, RowForm, rows_of
 
 __all__ = [
-    "BACKEND", "CAMERAS", "SEED", "BackendName", "Cameras", "CommandGroup", "DiagnosticsError",
-    "Interface", "Journal", "Json", "Policy", "Program", "Progress", "Rate", "RowForm",
-    "TerminalPerson", "UsageError", "With", "call_text", "command_text", "commands_of",
-    "declaration", "engine_of", "given", "grouped", "needing_simulation", "print_json",
-    "print_line", "print_problem", "print_table", "quiet_stderr", "read_assignments",
-    "read_program", "read_request", "reason", "require_workers", "shown_on_failure",
-    "simulation", "stop_requests", "termination_interrupts", "told_of_compilation", "verb",
+    "BACKEND", "CAMERAS", "MOST_BYTES", "SEED", "Above", "BackendName", "Bundle", "Cameras",
+    "CommandGroup", "DiagnosticsError", "Interface", "Journal", "Json", "Open", "Policy",
+    "Program", "Progress", "Rate", "RowForm", "TerminalPerson", "UsageError", "With",
+    "call_text", "command_text", "commands_of", "count", "declaration", "engine_of", "filled",
+    "given", "grouped", "needing_simulation", "open_page", "print_json", "print_line",
+    "print_problem", "print_table", "quiet_stderr", "read_assignments", "read_meta_catalog",
+    "read_program", "read_request", "reason", "require_room", "require_workers", "rows_of",
+    "shown_on_failure", "simulation", "stack_command", "stop_requests",
+    "termination_interrupts", "told_of_compilation", "verb", "write_page",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

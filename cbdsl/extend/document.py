@@ -42,13 +42,15 @@ if TYPE_CHECKING:
     from cbdsl.storage.digest import digest_of_bytes
     from cbdsl.types.resource import ModelSignal, Origin, Resource
     from cbdsl.types.resource_type import ResourceType
+    from cbdsl.yaml_text.library import Library, is_of
     from cbdsl.yaml_text.loaded import Loaded
 
 __all__ = [
     "NAME_PATTERN", "UNKNOWN", "CheckedRobot", "Diagnostics", "Document", "Duration", "Entry",
-    "FileSection", "Kind", "Loaded", "ModelSignal", "Name", "Origin", "Outcome", "PositiveCount",
-    "ProgramDocument", "Resource", "ResourceType", "RobotDocument", "Section", "Session",
-    "StageDocument", "Unknown", "contents", "digest_of_bytes", "find_document", "quantity",
+    "FileSection", "Kind", "Library", "Loaded", "ModelSignal", "Name", "Origin", "Outcome",
+    "PositiveCount", "ProgramDocument", "Resource", "ResourceType", "RobotDocument", "Section",
+    "Session", "StageDocument", "Unknown", "contents", "digest_of_bytes", "find_document",
+    "is_of", "quantity",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

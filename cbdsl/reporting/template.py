@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
+from pathlib import Path
 
 _SLOT = re.compile(r"\{\{(\w+)\}\}")
 # Would end a script that contains it, regardless of its meaning there.
@@ -13,10 +14,10 @@ _END_OF_SCRIPT = re.compile(r"</(?=script)", re.IGNORECASE)
 
 
 def filled(
-    name: str,
+    name: str | Path,
     title: str,
-    styles: Sequence[str],
-    scripts: Sequence[str],
+    styles: Sequence[str | Path],
+    scripts: Sequence[str | Path],
     data: str,
     slots: Mapping[str, str],
     *,
@@ -27,10 +28,10 @@ def filled(
     Inserted texts are not searched for slots.
 
     Args:
-        name: Template of its body, among the assets.
+        name: Template of its body, among the assets, or a file of another package.
         title: Title of the page, as text.
-        styles: Style sheets among the assets, in order.
-        scripts: Scripts among the assets, in order.
+        styles: Style sheets likewise, in order.
+        scripts: Scripts likewise, in order.
         data: Data that the scripts show.
         slots: Content of the body's slots, by name, as HTML.
         connects: True if the page may connect to its own server, and to no other.
@@ -48,9 +49,11 @@ def filled(
     return _fill("page.html", frame)
 
 
-def _fill(name: str, slots: Mapping[str, str]) -> str:
+def _fill(name: str | Path, slots: Mapping[str, str]) -> str:
     return _SLOT.sub(lambda slot: slots[slot[1]], _asset(name))
 
 
-def _asset(name: str) -> str:
+def _asset(name: str | Path) -> str:
+    if isinstance(name, Path):
+        return name.read_text("utf-8")
     return files("cbdsl.reporting").joinpath("assets", name).read_text("utf-8")

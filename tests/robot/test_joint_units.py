@@ -16,11 +16,11 @@ from cbdsl.editor.completions import choices
 from cbdsl.editor.cursor import cursor
 from cbdsl.editor.hover import hover
 from cbdsl.program.dry_run import controllers
-from cbdsl.reporting.density_svg import density_svgs
-from cbdsl.reporting.learned_files import InternalModel, Joint
 from cbdsl.runtime.recording import triple
 from cbdsl.types.resource_type import POSE, WRENCH, configuration
 from cbdsl.yaml_text.library import Library
+from cbdsl_report.density_svg import density_svgs
+from cbdsl_report.learned_files import InternalModel, Joint
 from tests.cli.test_main import cb
 from tests.reporting.test_landscape import Gaussian, landscape_document
 

@@ -11,28 +11,27 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.diagnostics.counting import count
-from cbdsl.documents.policy import Provenance
-from cbdsl.reporting.bundle import Bundle
-from cbdsl.reporting.density_svg import SHOWN, density_svgs
-from cbdsl.reporting.drawing.pictogram import LETTERS
-from cbdsl.reporting.drawing.policy_graph import percent, policy_graph
-from cbdsl.reporting.drawing.policy_transitions import (
+from cbdsl.api.documents import Provenance
+from cbdsl.api.drawing import (
+    LETTERS,
     Decision,
     PolicyTransitions,
     decisions,
+    percent,
+    policy_graph,
     policy_transitions,
+    svg,
 )
-from cbdsl.reporting.drawing.svg import svg
-from cbdsl.reporting.interquartile import Band
-from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned_files import InternalModel, Learned
-from cbdsl.reporting.markup import Markup, html, letters, table, terms
-from cbdsl.reporting.template import filled
-from cbdsl.reporting.trial_groups import Measured, TrialGroup, measured, trial_groups
+from cbdsl.extend.command import Bundle, count, filled
+from cbdsl_report.density_svg import SHOWN, density_svgs
+from cbdsl_report.interquartile import Band
+from cbdsl_report.landscape import Landscape
+from cbdsl_report.learned_files import InternalModel, Learned
+from cbdsl_report.markup import ASSETS, Markup, html, letters, table, terms
+from cbdsl_report.trial_groups import Measured, TrialGroup, measured, trial_groups
 
-_STYLES = ("vendor/uPlot.min.css", "page.css", "learned.css")
-_SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js", "learned.js")
+_STYLES = ("vendor/uPlot.min.css", "page.css", ASSETS / "learned.css")
+_SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js", ASSETS / "learned.js")
 #: Number of episodes at the beginning and the end that are compared.
 _SOME = 10
 
@@ -57,7 +56,7 @@ def learned_page(learned: Sequence[Learned], above: float) -> str:
         "trials": "\n".join(_trial(each, place, above) for place, each in enumerate(learned)),
     }
     title, data = f"{', '.join(programs)}, learned", _data(results, learned)
-    return filled("learned.html", title, _STYLES, _SCRIPTS, data, slots)
+    return filled(ASSETS / "learned.html", title, _STYLES, _SCRIPTS, data, slots)
 
 
 def _where(groups: Sequence[TrialGroup]) -> str:

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from html import escape
+from pathlib import Path
+
+#: Templates, style sheets and scripts of these pages.
+ASSETS = Path(__file__).parent / "assets"
 
 
 class Markup(str):

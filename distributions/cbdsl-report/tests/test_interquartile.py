@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cbdsl.reporting.interquartile import band, interquartile_mean, mean, running_mean
+from cbdsl_report.interquartile import band, interquartile_mean, mean, running_mean
 
 TABLES = arrays(
     float,

@@ -7,12 +7,15 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.arguments.options import Above, Open
-from cbdsl.cli.episodes.pages import open_page, require_room, write_page
-from cbdsl.cli.show.meta_catalog import read_meta_catalog
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.yaml_text.library import is_of
+from cbdsl.extend.command import (
+    Above,
+    Open,
+    UsageError,
+    open_page,
+    read_meta_catalog,
+    require_room,
+    write_page,
+)
 
 What = Annotated[
     Path,
@@ -37,9 +40,11 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     Exit 0 if the page was written, 1 if a document has errors, 2 if the page cannot be made.
     """
     try:
-        from cbdsl.reporting.learned_files import find_learned, read_learned
-        from cbdsl.reporting.learned_page import learned_page
-        from cbdsl.reporting.meta_catalog_page import meta_catalog_page
+        from cbdsl.api.documents import MetaCatalogDocument
+        from cbdsl.extend.document import is_of
+        from cbdsl_report.learned_files import find_learned, read_learned
+        from cbdsl_report.learned_page import learned_page
+        from cbdsl_report.meta_catalog_page import meta_catalog_page
     except ModuleNotFoundError as error:
         raise UsageError(
             f"a report needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"

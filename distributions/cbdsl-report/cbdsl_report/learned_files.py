@@ -9,21 +9,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from cbdsl.diagnostics.counting import count
-from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-from cbdsl.diagnostics.reason import reason
-from cbdsl.documents.model import ModelDocument
-from cbdsl.documents.policy import Curve, PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.learning.experience import EPISODES, Experience
-from cbdsl.reporting.drawing.policy_transitions import require_legible
-from cbdsl.robot.urdf import UrdfError
-from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.storage.contents import contents
-from cbdsl.storage.digest import digest_of_bytes
-from cbdsl.storage.journal import MOST_BYTES, rows_of
-from cbdsl.yaml_text.library import Library, is_of
+from cbdsl.api.documents import (
+    Curve,
+    ModelDocument,
+    PolicyDocument,
+    ProgramDocument,
+    RobotDocument,
+    digest_of_bytes,
+)
+from cbdsl.api.drawing import require_legible
+from cbdsl.api.learning import EPISODES, Experience
+from cbdsl.extend.backend import read_urdf
+from cbdsl.extend.command import MOST_BYTES, DiagnosticsError, UsageError, count, reason, rows_of
+from cbdsl.extend.document import Library, is_of
+from cbdsl.extend.driver import UrdfError
+from cbdsl.extend.model import contents
 
 _JOURNAL = ".episodes.jsonl"
 

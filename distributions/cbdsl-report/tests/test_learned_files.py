@@ -10,10 +10,10 @@ import pytest
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.reporting.learned_files import find_learned, read_learned
-from cbdsl.reporting.trial_groups import measured, trial_groups
 from cbdsl.yaml_text.reader import read
 from cbdsl.yaml_text.writer import write
+from cbdsl_report.learned_files import find_learned, read_learned
+from cbdsl_report.trial_groups import measured, trial_groups
 from tests.reporting.trials import write_trial
 
 

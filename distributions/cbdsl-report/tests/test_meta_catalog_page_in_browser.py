@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.reporting.meta_catalog_page import meta_catalog_page
 from cbdsl.yaml_text.library import Library
+from cbdsl_report.meta_catalog_page import meta_catalog_page
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, Page, browser
 

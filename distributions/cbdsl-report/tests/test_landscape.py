@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
 from cbdsl.program.binding import density_source
-from cbdsl.reporting.density_svg import density_svgs
-from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned_files import InternalModel, Joint
 from cbdsl.sensing.density import DensitySampler
+from cbdsl_report.density_svg import density_svgs
+from cbdsl_report.landscape import Landscape
+from cbdsl_report.learned_files import InternalModel, Joint
 
 # Some beyond the limits, none so far that only a steep tail is left within them.
 ANGLES = st.floats(-0.7, 1.2)

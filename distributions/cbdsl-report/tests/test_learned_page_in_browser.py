@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cbdsl.reporting.learned_files import Learned, read_learned
-from cbdsl.reporting.learned_page import learned_page
+from cbdsl_report.learned_files import Learned, read_learned
+from cbdsl_report.learned_page import learned_page
 from tests.reporting.browser import CHROMIUM, Page, browser
 from tests.reporting.trials import write_trial
 

@@ -5,19 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
-from cbdsl.diagnostics.counting import count
-from cbdsl.documents.catalog import AffordanceSection, CatalogProvenance
-from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.learning.catalogs.stack_plan import pairs_of, plan_stacks
-from cbdsl.learning.catalogs.thing_graph import support_graph
-from cbdsl.reporting.bundle import Bundle
-from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph, pair_key, stack_key
-from cbdsl.reporting.markup import Markup, table, terms
-from cbdsl.reporting.stack_command import stack_command
-from cbdsl.reporting.template import filled
+from cbdsl.api.documents import AffordanceSection, CatalogProvenance, MetaCatalogDocument
+from cbdsl.api.drawing import meta_catalog_graph, pair_key, stack_key
+from cbdsl.api.learning import pairs_of, plan_stacks, support_graph
+from cbdsl.extend.command import Bundle, count, filled, stack_command
+from cbdsl_report.markup import ASSETS, Markup, table, terms
 
-_STYLES = ("page.css", "learned.css", "meta_catalog.css")
-_SCRIPTS = ("page.js", "data.js", "meta_catalog.js")
+_STYLES = ("page.css", ASSETS / "learned.css", ASSETS / "meta_catalog.css")
+_SCRIPTS = ("page.js", "data.js", ASSETS / "meta_catalog.js")
 # Maximum height of listed stacks, because their number grows fast with the number of objects.
 _HIGHEST = 4
 
@@ -35,7 +30,7 @@ def meta_catalog_page(catalog: MetaCatalogDocument) -> str:
         "provenance": "" if catalog.provenance is None else _provenance(catalog.provenance),
     }
     data = Bundle().text({"plans": [*_plans(catalog)]})
-    return filled("meta_catalog.html", catalog.name, _STYLES, _SCRIPTS, data, slots)
+    return filled(ASSETS / "meta_catalog.html", catalog.name, _STYLES, _SCRIPTS, data, slots)
 
 
 def _where(catalog: MetaCatalogDocument) -> str:

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.learned_files import InternalModel
+from cbdsl.extend.backend import Floats
+from cbdsl_report.learned_files import InternalModel
 
 #: Number of evaluated angles of a joint.
 POINTS = 181

@@ -12,12 +12,12 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cbdsl.reporting.density_svg import density_svgs
 from cbdsl.reporting.drawing.policy_graph import policy_graph
 from cbdsl.reporting.drawing.policy_transitions import decisions, policy_transitions
 from cbdsl.reporting.drawing.svg import svg
-from cbdsl.reporting.learned_files import Learned, read_learned
-from cbdsl.reporting.learned_page import learned_page
+from cbdsl_report.density_svg import density_svgs
+from cbdsl_report.learned_files import Learned, read_learned
+from cbdsl_report.learned_page import learned_page
 from tests.reporting.test_page import Loads
 from tests.reporting.trials import write_trial
 

@@ -12,9 +12,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned_files import InternalModel, Joint
+from cbdsl.extend.backend import Floats
+from cbdsl_report.landscape import Landscape
+from cbdsl_report.learned_files import InternalModel, Joint
 
 _PLOT = 360.0
 _TALLEST, _LOWEST = 300.0, 120.0

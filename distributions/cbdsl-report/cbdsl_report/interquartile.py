@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
+from cbdsl.extend.backend import Floats
 
 _DRAWS = 2000
 _PART = 100

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.interquartile import (
+from cbdsl.extend.backend import Floats
+from cbdsl_report.interquartile import (
     Band,
     Center,
     band,
@@ -17,7 +17,7 @@ from cbdsl.reporting.interquartile import (
     mean,
     running_mean,
 )
-from cbdsl.reporting.learned_files import Learned
+from cbdsl_report.learned_files import Learned
 
 #: Numbers of episodes in the smoothing window.
 WINDOWS = (1, 5, 10)

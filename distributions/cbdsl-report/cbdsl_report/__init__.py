@@ -1,0 +1,1 @@
+"""Pages of learned policies and meta-catalogs."""
