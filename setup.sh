@@ -12,13 +12,13 @@ extras=$(sed -n '/^\[project.optional-dependencies\]/,/^\[/s/^\([a-z0-9]*\) = .*
 for name in $(echo "$extra" | tr ',' ' '); do
     echo "$extras" | grep -qx "$name" || fail "unknown extra '$name'; allowed: $(echo "$extras" | paste -sd ' ' -)"
 done
-# Commands that need nothing but an engine come with all engines.
-case ",$extra," in *,sim,*) extra="$extra,calibration,report" ;; esac
-# The links of ROS 2 are of drivers.
-case ",$extra," in *,ros2,*) extra="$extra,drive" ;; esac
+# Commands that need nothing but an engine come with all engines; the links of ROS 2 are of drivers.
+parts=",$extra,"
+case "$parts" in *,sim,*) parts="${parts}calibration,report," ;; esac
+case "$parts" in *,ros2,*) parts="${parts}drive," ;; esac
 projects=""
 for project in distributions/cbdsl-*; do
-    case ",$extra," in *,"${project#distributions/cbdsl-}",* | *,dev,*) projects="$projects -e ./$project" ;; esac
+    case "$parts" in *,"${project#distributions/cbdsl-}",* | *,dev,*) projects="$projects -e ./$project" ;; esac
 done
 # The experiments come with what developers need.
 case ",$extra," in *,dev,*) projects="$projects -e ./reproduction[dev]" ;; esac

@@ -19,10 +19,7 @@ from cbdsl.program.dry_run import controllers
 from cbdsl.runtime.recording import triple
 from cbdsl.types.resource_type import POSE, WRENCH, configuration
 from cbdsl.yaml_text.library import Library
-from cbdsl_report.density_svg import density_svgs
-from cbdsl_report.learned_files import InternalModel, Joint
 from tests.cli.test_main import cb
-from tests.reporting.test_landscape import Gaussian, landscape_document
 
 _JOINT = (
     '<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/><axis xyz="0 0 1"/>'
@@ -191,14 +188,6 @@ def test_literal_without_a_model_is_accepted_in_either_unit(here: Path) -> None:
     Path("lifter.urdf").unlink()
     for reference in ("[4 cm]", "[4 deg]"):
         assert [each[:5] for each in messages(written("lift", reference))] == ["CB301"]
-
-
-def test_density_of_sliding_joints_is_drawn_in_mm() -> None:
-    density = Gaussian(form="gaussian", mean=(0.02, 0.5), deviation=(0.01, 0.1), uniform=0)
-    document = landscape_document(density)
-    joints = (Joint("slide", 0.0, 0.04, "m"), Joint("hinge", 0.0, 1.0, "rad"))
-    (picture,) = density_svgs(InternalModel("m", document, joints))
-    assert "slide, mm" in picture and "hinge, degrees" in picture and "slide 20 mm" in picture
 
 
 def test_reference_beyond_the_short_way_of_an_endless_joint_is_warned_of(here: Path) -> None:

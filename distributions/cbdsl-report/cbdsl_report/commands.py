@@ -12,7 +12,6 @@ from cbdsl.extend.command import (
     Open,
     UsageError,
     open_page,
-    read_meta_catalog,
     require_room,
     write_page,
 )
@@ -41,6 +40,7 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     """
     try:
         from cbdsl.api.documents import MetaCatalogDocument
+        from cbdsl.extend.command import read_meta_catalog
         from cbdsl.extend.document import is_of
         from cbdsl_report.learned_files import find_learned, read_learned
         from cbdsl_report.learned_page import learned_page

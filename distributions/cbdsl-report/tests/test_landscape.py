@@ -137,3 +137,11 @@ def test_density_of_a_joint_without_limits_goes_on_at_half_a_turn(form: str, tur
     assert along[0] > 5 * along[len(along) // 2]
     (picture,) = density_svgs(model)
     assert "nan" not in picture and "inf" not in picture and "pan, degrees" in picture
+
+
+def test_density_of_sliding_joints_is_drawn_in_mm() -> None:
+    density = Gaussian(form="gaussian", mean=(0.02, 0.5), deviation=(0.01, 0.1), uniform=0)
+    document = landscape_document(density)
+    joints = (Joint("slide", 0.0, 0.04, "m"), Joint("hinge", 0.0, 1.0, "rad"))
+    (picture,) = density_svgs(InternalModel("m", document, joints))
+    assert "slide, mm" in picture and "hinge, degrees" in picture and "slide 20 mm" in picture

@@ -118,7 +118,7 @@ def test_report_without_numpy_names_the_extra(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in [*sys.modules]:
-        if name == "numpy" or name.startswith("cbdsl.reporting"):
+        if name == "numpy" or name.startswith(("cbdsl.reporting", "cbdsl_report.")):
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "numpy", None)
     assert cb(monkeypatch, "report", "knowledge") == 2
