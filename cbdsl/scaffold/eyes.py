@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.bench import bench
-from cbdsl.robot.local_urdf import localized, with_origin
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.robot_xml import robot_text
+from cbdsl.scaffold.model_source import localized, with_origin
 from cbdsl.storage.atomic_file import write_text
 from cbdsl.yaml_text.library import Library
 
