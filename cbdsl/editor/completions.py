@@ -20,7 +20,7 @@ from cbdsl.types.resource import Resource
 _DOCUMENTS = frozenset({"robot", "stage", "program", "policy", "schema", "calibration"})
 _RESOURCES = ("feedback", "effector", "reference")
 #: Sections of a program whose values name its controllers.
-_COMPOSED = ("actions", "background", "policy", "requires", "rewards", "once")
+_COMPOSED = ("actions", "background", "policy", "requires", "rewards", "once", "do")
 
 
 class Completion(NamedTuple):
@@ -83,7 +83,7 @@ def section(lines: Sequence[str], name: str) -> dict[str, int]:
         elif inside and re.match(r"\S", text) and not text.startswith("#"):
             break
         elif inside:
-            match = re.match(r"(\s+)[\"']?([\w]+)[\"']?\s*:", text)
+            match = re.match(r"(\s+)[\"']?([\w]+)(?:\([\w, ]*\))?[\"']?\s*:", text)
             if match and indent in (None, len(match[1])):
                 indent = len(match[1])
                 keys[match[2]] = number

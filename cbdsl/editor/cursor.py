@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 _KEY = re.compile(
-    r"""^(?P<indent>\s*)(?:-\s+)?["']?(?P<key>[^\s"'#{}\[\],][^"'#{}\[\],:]*)["']?:(?=\s|$)"""
+    r"""^(?P<indent>\s*)(?:-\s+)?["']?(?P<key>[^\s"'#{}\[\],][^"'#{}\[\],:(]*(?:\([^()]*\))?[^"'#{}\[\],:]*)["']?:(?=\s|$)"""
 )
 # In brackets: a key with its colon, a bracket or a comma; quoted text contains none.
 _TOKEN = re.compile(

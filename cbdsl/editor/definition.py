@@ -9,8 +9,9 @@ from cbdsl.diagnostics.lines import lines_of
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.completions import document_named, section
 from cbdsl.editor.cursor import Cursor
+from cbdsl.editor.shared_names import named_at, shared_file
 
-_SECTIONS = ("controllers", "use")
+_SECTIONS = ("controllers", "use", "conditions")
 
 
 class Definition(NamedTuple):
@@ -35,8 +36,12 @@ def definition(buffers: Buffers, path: Path, cursor: Cursor) -> Definition | Non
     file = document_named(buffers, path, cursor.key, cursor.word)
     if file is not None and not cursor.on_key:
         return Definition(file, 0)
+    named = named_at(buffers, path, lines, cursor)
+    if named is not None:
+        return Definition(named.file, named.line)
     for name in _SECTIONS:
         line = section(lines, name).get(cursor.word)
         if line is not None:
             return Definition(path, line)
-    return None
+    shared = shared_file(buffers, path, lines, cursor.word)
+    return None if shared is None else Definition(shared, 0)

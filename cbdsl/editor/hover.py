@@ -12,6 +12,7 @@ from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.completions import document_named, is_composed, robot_resources, section
 from cbdsl.editor.cursor import Cursor
 from cbdsl.editor.keys import keys
+from cbdsl.editor.shared_names import named_at
 from cbdsl.types.casts import CASTS
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
@@ -32,7 +33,11 @@ def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
         return _resource(resource)
     file = document_named(buffers, path, cursor.key, cursor.word)
     if file is None:
-        return _controller(lines_of(buffers.text(path)), cursor)
+        lines = lines_of(buffers.text(path))
+        named = named_at(buffers, path, lines, cursor)
+        if named is not None:
+            return _declaration(lines_of(buffers.text(named.file)), named.line)
+        return _controller(lines, cursor)
     loaded = buffers.document(file)
     description = getattr(loaded.document, "description", None) if loaded else None
     return f"**{cursor.word}**: {description or file}"
@@ -43,6 +48,10 @@ def _controller(lines: Sequence[str], cursor: Cursor) -> str | None:
     first = section(lines, "controllers").get(cursor.word)
     if first is None or not is_composed(cursor.steps):
         return None
+    return _declaration(lines, first)
+
+
+def _declaration(lines: Sequence[str], first: int) -> str:
     indent = len(lines[first]) - len(lines[first].lstrip())
     inner = takewhile(
         lambda line: not line.strip() or len(line) - len(line.lstrip()) > indent, lines[first + 1 :]

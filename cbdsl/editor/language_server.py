@@ -28,6 +28,7 @@ from cbdsl.editor.keys import keys
 from cbdsl.editor.message_stream import MessageStream
 from cbdsl.editor.positions import Positions
 from cbdsl.editor.rename import Renaming, is_name, renaming
+from cbdsl.editor.shared_names import shared_choices
 from cbdsl.yaml_text.reader import formatted_text
 
 NAME = "cbdsl"
@@ -132,7 +133,9 @@ class Server(LanguageServer):
         typed = at.word[: column - at.start]
         whole = positions.range(line, at.start, at.end)
         value, key = lsp.CompletionItemKind.Value, lsp.CompletionItemKind.Property
-        offered = [(*each, value) for each in choices(self.buffers, path, at.steps)]
+        names = choices(self.buffers, path, at.steps)
+        names += shared_choices(self.buffers, path, at.steps)
+        offered = [(*each, value) for each in names]
         if at.on_key:
             known = keys(self.buffers.text(path), at.steps)
             offered += [(name, description, key) for name, description in known.items()]

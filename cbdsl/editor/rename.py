@@ -13,6 +13,7 @@ from cbdsl.documents.kinds import KINDS
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.completions import document_named, is_composed, section
 from cbdsl.editor.cursor import Cursor, cursor
+from cbdsl.editor.shared_names import named_at, offered, shared_spots, taken_up
 
 # Sections of policies that name their program's controllers.
 _LEARNED = ("predicates", "policy", "values", "transitions")
@@ -71,6 +72,9 @@ def renaming(buffers: Buffers, path: Path, at: Cursor) -> Renaming | None:
     if file is not None:
         kind = _top(lines, "kind") if is_own_name else at.key
         return _of_document(buffers, file.absolute(), kind, at.word)
+    shared = _shared_file(buffers, path, lines, at)
+    if shared is not None:
+        return _of_shared(buffers, shared.absolute(), at.word)
     if any(at.word in section(lines, name) for name in _MEMBERS) and _names_member(lines, at):
         return _of_member(buffers, path, lines, at.word)
     return None
@@ -109,6 +113,33 @@ def _of_member(buffers: Buffers, path: Path, lines: Sequence[str], name: str) ->
             spots[file] = list(_member_spots(others, name))
     members = frozenset(each for key in _MEMBERS for each in section(lines, key))
     return Renaming(name, {file: each for file, each in spots.items() if each}, taken=members)
+
+
+def _shared_file(buffers: Buffers, path: Path, lines: Sequence[str], at: Cursor) -> Path | None:
+    """Return the shared document that declares the name under the cursor."""
+    if _top(lines, "kind") != "shared":
+        named = named_at(buffers, path, lines, at)
+        return None if named is None else named.file
+    is_key = at.on_key and at.steps in (("controllers",), ("conditions",))
+    is_named = is_key or (not at.on_key and is_composed(at.steps))
+    known = section(lines, "controllers") | section(lines, "conditions")
+    return path if is_named and at.word in known else None
+
+
+def _of_shared(buffers: Buffers, file: Path, name: str) -> Renaming | None:
+    # Shipped documents belong to others.
+    if not file.is_relative_to(buffers.here):
+        return None
+    spots = {}
+    for each in {file, *buffers.documents()}:
+        lines = lines_of(buffers.text(each))
+        taken = taken_up(buffers, each, lines).get(name)
+        if each == file or (taken is not None and taken.file.absolute() == file):
+            own = (name in section(lines, key) for key in (*_MEMBERS, "conditions"))
+            places = shared_spots(lines, name, each != file and any(own))
+            spots[each] = [Occurrence(*place) for place in places]
+    known = frozenset(each.name for each in offered(buffers, file))
+    return Renaming(name, {each: found for each, found in spots.items() if found}, taken=known)
 
 
 def _member_spots(lines: Sequence[str], name: str) -> Iterator[Occurrence]:
