@@ -137,9 +137,9 @@ def _of_shared(buffers: Buffers, file: Path, name: str) -> Renaming | None:
         if each == file or (taken is not None and taken.file.absolute() == file):
             own = (name in section(lines, key) for key in (*_MEMBERS, "conditions"))
             places = shared_spots(lines, name, each != file and any(own))
-            spots[each] = [Occurrence(*place) for place in places]
+            spots[each] = [Occurrence(*spot) for spot in places]
     known = frozenset(each.name for each in offered(buffers, file))
-    return Renaming(name, {each: found for each, found in spots.items() if found}, taken=known)
+    return Renaming(name, {each: places for each, places in spots.items() if places}, taken=known)
 
 
 def _member_spots(lines: Sequence[str], name: str) -> Iterator[Occurrence]:

@@ -53,8 +53,8 @@ def offered(buffers: Buffers, file: Path) -> Iterator[SharedName]:
 def taken_up(buffers: Buffers, path: Path, lines: Sequence[str]) -> dict[str, SharedName]:
     """Return the declarations that a program takes up, by name."""
     text = "\n".join(lines)
-    found = re.search(r"^shared:(.*(?:\n[ \t].*)*)", text, re.MULTILINE)
-    words = set(re.findall(r"\w+", found[1])) if found else set()
+    listed = re.search(r"^shared:(.*(?:\n[ \t].*)*)", text, re.MULTILINE)
+    words = set(re.findall(r"\w+", listed[1])) if listed else set()
     files = (shared_file(buffers, path, lines, name) for name in section(lines, "shared"))
     every = (each for file in files if file is not None for each in offered(buffers, file))
     return {each.name: each for each in every if each.name in words}
@@ -105,10 +105,10 @@ def shared_spots(lines: Sequence[str], name: str, is_own: bool) -> Iterator[tupl
         inside = match[1] if match else inside
         code = re.split(r"(?:^|\s)#", line, maxsplit=1)[0]
         end = r"(?=\()" if is_own and inside != "shared" else r"(?![\w.])"
-        for found in re.finditer(rf"(?<![\w.$]){re.escape(name)}{end}", code):
+        for match in re.finditer(rf"(?<![\w.$]){re.escape(name)}{end}", code):
             # A key of a section, such as the field `hold:` of a triple, is no name.
-            is_key = re.match(r"\s*:", code[found.end() :]) is not None
+            is_key = re.match(r"\s*:", code[match.end() :]) is not None
             if inside in ("name", "description", "parameters"):
                 continue
             if not is_key or number in declared:
-                yield number, *found.span()
+                yield number, *match.span()
