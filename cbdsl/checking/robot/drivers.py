@@ -15,7 +15,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.driver_addresses import addresses
 from cbdsl.robot.driver_kind import DRIVERS
 from cbdsl.robot.stopping_time import ACCEPTED, horizon, speeds, stopping_time
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
@@ -125,6 +125,10 @@ class _DriverCheck:
         moved = [e for e in driver.moves if all(m in robot.effectors for m in robot.members(e))]
         return [joint for effector in moved or robot.effectors for joint in robot.joints(effector)]
 
+    def _modelled(self, driver: Driver) -> list[UrdfJoint]:
+        models = {} if self._model is None else self._model.joints
+        return [models[joint] for joint in self._reported(driver) if joint in models]
+
     def _known(
         self, driver: str, steps: Steps, name: str, names: Collection[str], what: str
     ) -> None:
@@ -175,9 +179,7 @@ class _DriverCheck:
         control = self._source.known(self._robot.control, "control")
         if isinstance(control, Unknown) or not driver.moves:
             return
-        models = {} if self._model is None else self._model.joints
-        joints = [models[joint] for joint in self._reported(driver) if joint in models]
-        short = [j for j in joints if driver.tracking >= j.upper - j.lower]
+        short = [j for j in self._modelled(driver) if driver.tracking >= j.upper - j.lower]
         problem = ""
         if short:
             problem = (
@@ -215,17 +217,15 @@ class _DriverCheck:
         """Report joints that are too far behind their references in any fast motion."""
         control = self._robot.control
         delay = horizon(driver, control.rate) - 1.0 / control.rate
-        for joint, _, speed in speeds(self._robot, model, name):
-            behind = min(control.lead, speed * delay)
-            if behind > _FAR * driver.tracking:
-                self._problem(
-                    name,
-                    ("tracking",),
-                    f"joint '{joint}' is {behind:.2g} behind its references at {speed:g}/s, and "
-                    f"more than {_FAR:g} times 'tracking', {driver.tracking:g}, holds it; state "
-                    f"at least {math.ceil(1e3 * behind / _FAR) / 1e3:g}",
-                )
-                return
+        lags = {j: min(control.lead, v * delay) for j, _, v in speeds(self._robot, model, name)}
+        joint, lag = max(lags.items(), key=lambda item: item[1])
+        if lag > _FAR * driver.tracking:
+            problem = (
+                f"joint '{joint}' is {lag:.2g} behind its references in fast motion, and more than "
+                f"{_FAR:g} times 'tracking', {driver.tracking:g}, holds it; state at least "
+                f"{math.ceil(1e3 * lag / _FAR) / 1e3:g}"
+            )
+            self._problem(name, ("tracking",), problem)
 
     def _pairs(self, name: str, driver: Driver) -> None:
         """Report keys that need another key."""
@@ -244,9 +244,7 @@ class _DriverCheck:
 
     def _units(self, name: str, driver: Driver) -> None:
         """Report distances and accelerations that do not fit the joints' positions."""
-        models = {} if self._model is None else self._model.joints
-        joints = [models[joint] for joint in self._reported(driver) if joint in models]
-        units = {joint.unit for joint in joints}
+        units = {joint.unit for joint in self._modelled(driver)}
         if len(units) != 1:
             return
         (unit,) = units
