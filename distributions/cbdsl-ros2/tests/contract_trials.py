@@ -82,11 +82,13 @@ class Kind(NamedTuple):
 
 
 _INTERRUPTED = "hangup", "terminal closed"
+_RIVAL = "another commander writes to|the watchdog"
 ALL = (30.0, 60.0, 250.0)
 KINDS = {
     "no fault": Kind((60.0,), "", nodes=NODES, harmless=True),
-    "rival of a watchdog": Kind(ALL, "another commander writes to|the watchdog", "positions"),
+    "rival of a watchdog": Kind(ALL, _RIVAL, "positions"),
     "rival of a watchdog before": Kind((60.0,), "another commander", "positions", before=True),
+    "second program of a watchdog": Kind((60.0,), _RIVAL, "positions", still=True),
     "rival of a trajectory": Kind(ALL, "another commander writes to /controller/joint_trajectory"),
     "rival of a trajectory before": Kind((60.0,), "another commander writes to", before=True),
     "deaf button before": Kind((60.0,), "is best effort, and has to be reliable", before=True),
@@ -346,7 +348,8 @@ class Trial:
                 cell.enter_context(self._part("button", {"period": 1e3}))
             case "goal":
                 cell.enter_context(self._part("goal", {}))
-            case _:
+            case name:
+                common = {**common, "guarded": name.startswith("second program")}
                 cell.enter_context(self._part("rival", common))
 
     def _fault(

@@ -240,12 +240,13 @@ class Rival:
     """Second commander of the arm, which sends it to zero.
 
     Args:
-        settings: ``form`` and ``joints``.
+        settings: ``form`` and ``joints``; ``guarded`` if it writes to the arm's watchdog.
     """
 
     def __init__(self, settings: dict[str, Any]) -> None:
         topic, self._message = TOPICS[settings["form"]]
         self._names = list(settings["joints"])
+        topic += "/guarded" if settings.get("guarded") else ""
         self._node = rclpy.create_node("rival")
         self._publisher = self._node.create_publisher(self._message, topic, 10)
         self._node.create_timer(0.02, self._send)
