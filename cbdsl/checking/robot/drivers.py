@@ -14,7 +14,7 @@ from cbdsl.documents.driver import Driver, absolute
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.driver_addresses import addresses
 from cbdsl.robot.driver_kind import DRIVERS
-from cbdsl.robot.stopping_time import ACCEPTED, horizon, speeds, stopping_time
+from cbdsl.robot.stopping_time import ACCEPTED, speeds, stopping_time
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -35,8 +35,6 @@ _ACCELERATIONS = {"rad": "rad/s^2", "m": "m/s^2"}
 # Longest times, s: a robot must not move on for longer without its program. A robot whose clock is
 # behind begins each trajectory later.
 _LONGEST = {"deadline": 1.0, "horizon": 1.0, "stop_deadline": 1.0, "skew": 0.15}
-# Distance of a joint from its reference that is never accepted, as a multiple of ``tracking``.
-_FAR = 3.0
 # Streams that several drivers may read.
 _SHARED = ("states", "stop", "description")
 
@@ -206,26 +204,24 @@ class _DriverCheck:
             return
         if not model.joints.keys() >= set(self._reported(driver)):
             return
-        self._lag(name, driver, model)
+        self._first(name, driver, model)
         longest = max(stopping_time(self._robot, model, name))
         if longest > ACCEPTED + 5e-4:  # as printed
             place = self._source.key("drivers", name)
             details = {"time": f"{1e3 * longest:.0f}", "accepted": f"{1e3 * ACCEPTED:.0f}"}
             self._diagnostics.add("CB325", place, name=name, **details)
 
-    def _lag(self, name: str, driver: Driver, model: UrdfModel) -> None:
-        """Report joints that are too far behind their references in any fast motion."""
-        control = self._robot.control
-        delay = horizon(driver, control.rate) - 1.0 / control.rate
-        lags = {j: min(control.lead, v * delay) for j, _, v in speeds(self._robot, model, name)}
-        joint, lag = max(lags.items(), key=lambda item: item[1])
-        if lag > _FAR * driver.tracking:
+    def _first(self, name: str, driver: Driver, model: UrdfModel) -> None:
+        """Report a ``start`` that holds fast motion at its first reference."""
+        joint, _, speed = max(speeds(self._robot, model, name), key=lambda each: each[2])
+        step = speed / self._robot.control.rate
+        if driver.start < step - 1e-9:
             problem = (
-                f"joint '{joint}' is {lag:.2g} behind its references in fast motion, and more than "
-                f"{_FAR:g} times 'tracking', {driver.tracking:g}, holds it; state at least "
-                f"{math.ceil(1e3 * lag / _FAR) / 1e3:g}"
+                f"joint '{joint}' moves by {step:.3g} in its first control period at {speed:g}/s, "
+                f"and 'start', {driver.start:g}, would hold it; state at least "
+                f"{math.ceil(1e3 * step - 1e-6) / 1e3:g}"
             )
-            self._problem(name, ("tracking",), problem)
+            self._problem(name, ("start",), problem)
 
     def _pairs(self, name: str, driver: Driver) -> None:
         """Report keys that need another key."""

@@ -114,8 +114,8 @@ class MotionWatch:
         return (
             f"joint '{self._names[joint]}' moved by {away[rule, joint]:.3f} away from its "
             f"references, and at most {self._bounds[rule, joint]:.3f} are allowed: another "
-            "controller or a person moves it, its controller or watchdog has stopped, or joints "
-            "are exchanged"
+            "controller or a person moves it, its controller or watchdog has stopped, its states "
+            "are frozen, or joints are exchanged"
         )
 
     def _add_apart(self, moved: Floats, elapsed: Floats) -> None:

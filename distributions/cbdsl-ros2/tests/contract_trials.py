@@ -47,6 +47,8 @@ STILL, SLOW = 0.15, 0.02
 _SILENT, _SUSPENDED = 0.25, 0.6
 # Most trials until one has a fault that comes while a served arm moves.
 _ATTEMPTS = 4
+# Time after which commands begin anew, s.
+_PAUSE = 0.3
 # Load above which a computer is busy.
 _BUSY = 4.0
 FAST, CYCLONE = NODES = "Fast DDS", "Cyclone DDS"
@@ -223,6 +225,7 @@ class Trial:
             "stop": "/emergency_stop",
             "stop_deadline": f"{_SILENT} s",
             "deadline": f"{max(0.05, 1.5 / self._rate)} s",
+            "start": max(0.05, 2.0 / self._rate),
         }
         text = robot.read_text("utf-8").replace("rate: 120 Hz", f"rate: {self._rate:g} Hz")
         # Physics steps are a multiple of control ticks.
@@ -457,7 +460,11 @@ class Trial:
         )  # fmt: skip
 
     def _violations(self, sent: Floats) -> int:
-        """Return how many commands break a limit, shape (commands, n)."""
+        """Return how many commands break a limit.
+
+        Args:
+            sent: Times and positions of commands, shape (commands, 1 + n).
+        """
         from cbdsl.extend.backend import read_fitting
         from cbdsl_drive.joint_limits import joint_limits
 
@@ -465,11 +472,15 @@ class Trial:
             return 0
         document, urdf = self._documents()
         limits, period = joint_limits(document, read_fitting(document, urdf)), 1.0 / self._rate
+        # After a pause, the controller has come to rest.
+        paused = np.diff(sent[:, 0]) > _PAUSE
+        sent = sent[:, 1:]
         inside = (sent >= limits.lower - 1e-9) & (sent <= limits.upper + 1e-9)
-        velocities = np.diff(sent, axis=0) / period
+        velocities = np.where(paused[:, None], 0.0, np.diff(sent, axis=0) / period)
         # An episode begins where the last one has settled, up to 0.1 mrad.
         fast = np.abs(velocities) > 1.01 * limits.velocity
         jerky = np.abs(np.diff(velocities, axis=0)) > 1.01 * limits.acceleration * period + 0.03
+        jerky &= ~paused[1:, None]
         broken = ~np.isfinite(sent) | ~inside
         return int(broken.any(axis=1).sum() + fast.any(axis=1).sum() + jerky.any(axis=1).sum())
 

@@ -15,7 +15,7 @@ and states that are ``nan``, ``frozen`` or beyond an ``effort``, or in which joi
 
 At SIGTERM the arm writes its motion to the file ``trace``, a line of JSON for each tick: ``[time,
 positions, time of the program's newest command, time of the rival's first command]``. The last line
-has the positions of all commands of the program.
+has the times and positions of all commands of the program.
 """
 
 from __future__ import annotations
@@ -103,7 +103,8 @@ class Arm:
         now, is_array = self._now(), isinstance(message, Float64MultiArray)
         if any(message.data if is_array else message.points[-1].positions):
             self._commanded = time.time()
-            self._commands.append(list(message.data if is_array else message.points[-1].positions))
+            positions = message.data if is_array else message.points[-1].positions
+            self._commands.append([self._commanded, *positions])
         else:
             self._rivalled = self._rivalled or time.time()
         if self._loses():

@@ -144,6 +144,11 @@ STOP = "    stop: /stop\n    stop_deadline: 250 ms\n"
     ("old", "new", "expected"),
     [
         ("rate: 60 Hz", "rate: 31 Hz", "CB325"),
+        (
+            STOP,
+            f"{STOP}    start: 0.02\n",
+            "and 'start', 0.02, would hold it; state at least 0.025",
+        ),
         ("lead: 0.12 rad", "lead: 0.1 rad", "'control.lead' keeps references within 0.1 of"),
         (STOP, "    stop: /stop\n", "it needs 'stop_deadline', such as 250 ms"),
         ("250 ms", "20 ms", "20 ms are less than one and a half control periods"),
@@ -151,7 +156,6 @@ STOP = "    stop: /stop\n    stop_deadline: 250 ms\n"
         (STOP, f"{STOP}    deadline: 20 ms\n", "20 ms are less than one and a half control"),
         (STOP, f"{STOP}    deadline: 200 ms\n    acceleration: 10 rad/s^2\n", "CB325"),
         (STOP, f"{STOP}    skew: 0.2 s\n", "0.2 s are more than 0.15 s"),
-        (STOP, f"{STOP}    tracking: 1e-3\n    start: 1e-3\n", "holds it; state at least 0.0"),
         (
             "stop: /stop",
             "form: positions\n    stop: /c/guarded",
