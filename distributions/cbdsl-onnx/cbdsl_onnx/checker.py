@@ -31,6 +31,7 @@ from cbdsl_onnx.plan import InputPlan, NetworkPlan, Normalisation, OutputPlan
 #: Types of feedbacks whose values can be subtracted.
 SUBTRACTED = ("configuration", "position", "heading", "length", "force", "torque")
 
+_ROUNDING = 1e-9
 _SIZES = {"orientation": 9, "pose": 12}
 _FAULTS = {
     "format": network.UNREADABLE,
@@ -133,6 +134,13 @@ class _Check:
                 f"actions at {output.executed * document.period:g} s"
             )
             self._add(network.TIMING, "deadline", problem=problem)
+        elif document.period * self._body.document.control.rate < 1.0 - _ROUNDING:
+            rate = self._body.document.control.rate
+            problem = (
+                f"a period of {document.period:g} s is shorter than a control tick of robot "
+                f"'{document.robot}', {1.0 / rate:g} s"
+            )
+            self._add(network.TIMING, "period", problem=problem)
 
     def _model(self) -> Outcome[_Model]:
         document = self._document

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -35,7 +36,7 @@ class Inference:
         self._session, self._output = load(data), plan.output.name
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="network")
         self._request: Future[NDArray[Any]] | None = None
-        self._begun = 0.0
+        self._begun = math.inf
 
     @property
     def is_busy(self) -> bool:
@@ -46,26 +47,28 @@ class Inference:
         """Begin to compute the output of inputs by name."""
         import onnxruntime
 
-        options = self._options = onnxruntime.RunOptions()
+        self._options, self._begun = onnxruntime.RunOptions(), math.inf
+        self._request = self._thread.submit(self._run, dict(feeds), self._options)
+
+    def _run(self, feeds: dict[str, NDArray[Any]], options: Any) -> NDArray[Any]:
         self._begun = time.monotonic()
-        self._request = self._thread.submit(
-            lambda: np.asarray(self._session.run([self._output], dict(feeds), options)[0])
-        )
+        return np.asarray(self._session.run([self._output], feeds, options)[0])
 
     def receive(self, deadline: float) -> NDArray[Any] | None:
         """Return the output of the last request, or ``None`` if it is late or not finite.
 
-        It waits only for the rest of the deadline in real time, which is over if the ticks are in
-        real time: simulated time may run faster than the computer.
+        Ticks of a simulation may be shorter than their simulated time, or starve the thread. An
+        output is therefore late by the time of its own computation, and is waited for until then.
 
         Args:
-            deadline: Time from the request to the output, s.
+            deadline: Longest computation of an output, s.
         """
         request, self._request = self._request, None
         if request is None:
             return None
         try:
-            output = request.result(max(0.0, self._begun + deadline - time.monotonic()))
+            elapsed = max(0.0, time.monotonic() - self._begun)  # 0 before the thread begins
+            output = request.result(max(0.0, deadline - elapsed))
         except Late:
             # It stops at its next operator, and the next request waits until then.
             self._options.terminate = True

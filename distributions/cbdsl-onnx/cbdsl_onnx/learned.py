@@ -1,8 +1,14 @@
-"""Potential of a network's output: half the square of the requested displacement."""
+"""Potential of a network's output: half the square of the requested displacement.
+
+A controller is at rest once its potential stays the same. A network that moves its feedback at a
+constant velocity also keeps it the same, and is not at rest. The potential is therefore doubled in
+every other tick while the feedback moves, which changes neither its residual nor its minimum.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -24,6 +30,9 @@ _TYPES = frozenset({"configuration", "position", "heading", "length", "force", "
 # The law moves the feedback by half of the residual per time constant 1 / gain: Newton's step on
 # phi (Eq 3.18). A residual of 2 v / gain thus gives the velocity v.
 _NEWTON = 2.0
+
+#: Share of the requested displacement that a moving feedback covers in a tick, at least.
+_MOVING = 2e-3
 
 LEARNED = PotentialType(
     name="learned",
@@ -55,20 +64,35 @@ def build(controller: Controller, setting: Setting) -> Potential:
         plan = reference.source.data
         if isinstance(plan, NetworkPlan) and plan.output.gives == "velocity":
             scale = _NEWTON / controller.gain
-    parameters = np.concatenate([[scale], periods])
-    return Potential(requested, size, parameters=parameters, identity=True)
+    parameters = np.concatenate([[scale, 0.0], periods])
+    return Potential(requested, size, parameters=parameters, identity=True, prepare=_Motion())
+
+
+class _Motion:
+    """Watch of a feedback, which marks every other tick in which it moves."""
+
+    def __init__(self) -> None:
+        self._last: Floats | None = None
+
+    def __call__(
+        self, value: Floats, goal: Floats, obstacles: Sequence[object], parameters: Floats
+    ) -> None:
+        moved = 0.0 if self._last is None else float(np.linalg.norm(value - self._last))
+        is_moving = moved > _MOVING * float(np.linalg.norm(goal - value))
+        parameters[1] = 1.0 - parameters[1] if is_moving else 0.0
+        self._last = value.copy()
 
 
 @potential
 def requested(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Return half the square of the scaled difference; parameters: the scale, and periods, rad."""
+    """Return half the squared scaled difference; parameters: scale, mark of motion, periods."""
     phi = 0.0
     for i in range(len(residual)):
-        apart, period = reference[i] - value[i], parameters[1 + i]
+        apart, period = reference[i] - value[i], parameters[2 + i]
         if math.isfinite(period):
             apart -= period * round(apart / period)
         residual[i] = parameters[0] * apart
         phi += 0.5 * residual[i] * residual[i]
-    return phi
+    return phi if parameters[1] == 0.0 else 2.0 * phi

@@ -55,7 +55,8 @@ class NetworkReader:
     def __call__(self) -> Reading | None:
         tick = int(self._signals.clock[0])
         if tick != self._tick:
-            if tick < self._tick:
+            # A controller that was idle begins again, as in a new episode.
+            if tick != self._tick + 1:
                 self._inference.forget()
                 self._begin()
             self._tick, self._reading = tick, self._read(self._signals.time)
@@ -67,6 +68,7 @@ class NetworkReader:
         self._wait = 0
         self._due: float | None = None
         self._chunk: _Chunk | None = None
+        self._is_first = True
         self._anchor: tuple[int, Numbers | None] = -1, None
 
     def _read(self, now: float) -> Reading | None:
@@ -74,27 +76,24 @@ class NetworkReader:
         if self._due is not None and now >= self._due - slack:
             self._receive(self._due)
         if self._next is None or now >= self._next - slack:
-            self._observe(now, slack)
+            self._observe(now)
         target = self._target(now + slack)
         return None if target is None else Reading(target, None, self._tick)
 
     def _receive(self, due: float) -> None:
         plan, output = self._plan.output, self._inference.receive(self._plan.deadline)
-        self._due, self._anchor = None, (-1, None)
+        self._due, self._anchor, self._is_first = None, (-1, None), False
         if output is None:
             self._chunk = None
             return
         actions = _restored(output.astype(float).reshape(plan.steps, -1), plan.scale)
         self._chunk = _Chunk(due, actions)
 
-    def _observe(self, now: float, slack: float) -> None:
+    def _observe(self, now: float) -> None:
         """Observe the inputs, once a period, and request an output when the next one is due."""
         period = self._plan.period
-        # A controller that was idle for a while begins again.
-        if self._next is None or now > self._next + period - slack:
-            self._next, self._wait = now, 0
-            for history in self._history:
-                history.clear()
+        if self._next is None:
+            self._next = now
         self._next += period
         self._wait = max(self._wait - 1, 0)
         rows = [self._values(each.resources) for each in self._plan.inputs]
@@ -112,9 +111,11 @@ class NetworkReader:
 
     def _target(self, now: float) -> Numbers | None:
         """Return the value that the action of a moment asks the feedback to have."""
-        if self._chunk is None:
-            return None
         plan = self._plan.output
+        if self._chunk is None:
+            # Until the first output is due, the feedback stays where it is.
+            is_awaited = self._is_first and self._due is not None
+            return self._values((plan.feedback,)) if is_awaited else None
         index = math.floor((now - self._chunk.begin) / self._plan.period)
         if index >= plan.steps and self._due is None:
             self._chunk = None

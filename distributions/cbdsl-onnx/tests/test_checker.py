@@ -56,6 +56,7 @@ FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {
     "drawn signal": ("NET106", MODEL, {"inputs": {"x": {"of": ["head.uniform"]}}}),
     "deviation of another size": ("NET107", MODEL, {"output": {**OUTPUT, "deviation": [1.0]}}),
     "more executed than given": ("NET108", MODEL, {"output": {**OUTPUT, "execute": 2}}),
+    "period below a tick": ("NET108", MODEL, {"period": "1 ms", "deadline": "1 ms"}),
     "unknown robot": ("CB601", MODEL, {"robot": "robbie"}),
 }
 
