@@ -65,10 +65,10 @@ def build(controller: Controller, setting: Setting) -> Potential:
         if isinstance(plan, NetworkPlan) and plan.output.gives == "velocity":
             scale = _NEWTON / controller.gain
     parameters = np.concatenate([[scale, 0.0], periods])
-    return Potential(requested, size, parameters=parameters, identity=True, prepare=_Motion())
+    return Potential(requested, size, parameters=parameters, identity=True, prepare=_MotionWatch())
 
 
-class _Motion:
+class _MotionWatch:
     """Watch of a feedback, which marks every other tick in which it moves."""
 
     def __init__(self) -> None:
