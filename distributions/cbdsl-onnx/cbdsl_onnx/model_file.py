@@ -7,6 +7,7 @@ gives the shapes of the outputs.
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -21,6 +22,8 @@ TYPES = {"tensor(float)": "float32", "tensor(double)": "float64", "tensor(float1
 
 #: Time after which a dry run is stopped, s.
 _DRY_RUN = 10.0
+#: Most numbers of an input.
+_MOST_NUMBERS = 10_000_000
 _MODEL_GRAPH, _MODEL_OPSETS, _MODEL_FUNCTIONS = 7, 8, 25
 _GRAPH_NODE, _GRAPH_TENSOR, _GRAPH_SPARSE = 1, 5, 15
 _NODE_ATTRIBUTE, _FUNCTION_NODE = 5, 7
@@ -69,6 +72,9 @@ def examine(data: bytes) -> ModelFacts:
     _require_whole(data)
     session = load(data)
     inputs = {each.name: _facts(each.shape, each.type) for each in session.get_inputs()}
+    for name, facts in inputs.items():
+        if math.prod(facts.shape) > _MOST_NUMBERS:
+            raise ModelFileError("runtime", f"its input '{name}' has the shape {facts.shape}")
     feeds = {
         name: np.zeros(facts.shape, facts.dtype) for name, facts in inputs.items() if facts.dtype
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,11 @@ def of_two_sizes() -> bytes:
     return wire.model([wire.node("Mul", ("x", "scale"), "y")], [weights], *ends)
 
 
+def of_shape(*shape: int) -> bytes:
+    ends = [[wire.value_info(name, shape)] for name in "xy"]
+    return wire.model([wire.node("Identity", ("x",), "y")], [], *ends)
+
+
 FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {
     "opset of the future": ("NET103", examples.scaled(1, 1, 1, opset=99), {}),
     "shapes that do not match": ("NET103", of_two_sizes(), {}),
@@ -56,6 +62,9 @@ FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {
     "drawn signal": ("NET106", MODEL, {"inputs": {"x": {"of": ["head.uniform"]}}}),
     "deviation of another size": ("NET107", MODEL, {"output": {**OUTPUT, "deviation": [1.0]}}),
     "more executed than given": ("NET108", MODEL, {"output": {**OUTPUT, "execute": 2}}),
+    "input without bounds": ("NET103", of_shape(10**9, 10**9), {}),
+    "mean that is no number": ("CB109", MODEL, {"output": {**OUTPUT, "mean": [0, 0, math.nan]}}),
+    "deviation of 0": ("CB208", MODEL, {"output": {**OUTPUT, "deviation": [1.0, 0.0, 1.0]}}),
     "period below a tick": ("NET108", MODEL, {"period": "1 ms", "deadline": "1 ms"}),
     "unknown robot": ("CB601", MODEL, {"robot": "robbie"}),
 }
