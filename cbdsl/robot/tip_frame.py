@@ -17,7 +17,7 @@ _ACTING = (
     re.compile(r"tip$|foot|toe|sole", re.IGNORECASE),
 )
 _SENSING = re.compile(
-    r"camera|optical|imu|laser|lidar|scan|sensor|gyro|accel|inertia|_com$|base$", re.IGNORECASE
+    r"camera|optical|imu|laser|lidar|scan|sensor|gyro|accel|inertia|_com$", re.IGNORECASE
 )
 _DEEPEST = 200  # joints in series; bounds the walk if a model has a loop
 # Distance below which a frame counts as at the last joint, m.

@@ -34,7 +34,20 @@ class RobosuiteTask(NamedTuple):
 
 
 _TABLE = (0.0, 0.0, 0.85)
-_ALL = (RobosuiteTask("Lift", "lift", _TABLE, {"red": ("cube_main",)}, 0.95),)
+_BINS = (0.1, 0.0, 0.85)
+_ALL = (
+    RobosuiteTask("Lift", "lift", _TABLE, {"red": ("cube_main",)}, 0.95),
+    RobosuiteTask(
+        "Stack", "stack", _TABLE, {"red": ("cubeA_main",), "green": ("cubeB_main",)}, 0.95
+    ),
+    RobosuiteTask(
+        "PickPlaceCan",
+        "pick_place",
+        _BINS,
+        {"red": ("Can_main",), "green": ("VisualCan_main",)},
+        0.95,
+    ),
+)
 
 #: Tasks by name.
 TASKS: Mapping[str, RobosuiteTask] = MappingProxyType({task.name: task for task in _ALL})
