@@ -40,6 +40,7 @@ def _written(folder: Path, fixed: dict[str, str], shape: str = "") -> Path:
         ({"tcp": "wrist", "tool0": "tcp"}, "tcp"),
         ({"tool0": "wrist", "tool": "wrist"}, "tool0"),
         ({"camera_link": "wrist", "flange": "wrist"}, "flange"),
+        ({"gripper_base": "wrist", "tcp": "gripper_base"}, "tcp"),
         ({"left_screw": "wrist", "right_screw": "wrist"}, "wrist"),
     ],
 )
