@@ -267,6 +267,23 @@ def test_delivery_counts_an_object_as_put_back_in_its_first_attitude(
     assert concluded(watch, outcome="failure").outcomes["put back"] == is_back
 
 
+@pytest.mark.parametrize(("turn", "before_motion"), [(0.0, True), (0.01, True), (0.1, False)])
+def test_delivery_counts_a_refusal_before_the_arms_move_alone(
+    turn: float, before_motion: bool
+) -> None:
+    watch = watch_of(everyday.JUDGE, everyday._Delivery, World("parcel"), _PARCEL)
+    joints = SimpleNamespace(of=lambda arm: [0])
+    observation = SimpleNamespace(positions=np.zeros(1))
+    tick = SimpleNamespace(signals=SimpleNamespace(joints=joints), observation=observation)
+    watch.note(tick)
+    observation.positions = np.full(1, turn)
+    watch.note(tick)
+    # An arm that has come back has moved.
+    observation.positions = np.zeros(1)
+    watch.note(tick)
+    assert concluded(watch, outcome="failure").outcomes["refused before motion"] == before_motion
+
+
 @pytest.mark.parametrize(
     ("cells", "is_false"), [(RIGHT | LEFT, False), (RIGHT, True), (frozenset(), True)]
 )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl import load, simulate
+from cbdsl.program.transition import Transition
 
 HEAVY = """
 cbdsl: 1
@@ -61,3 +62,29 @@ def test_fetch_of_a_can_of_3_kg_puts_it_back_after_the_first_lift(
     assert max(fingers) == 3 and fingers[-1] == 0
     assert np.linalg.norm(track[-1] - track[0]) < 0.02
     assert upright > 0.99
+
+
+@pytest.mark.parametrize(
+    ("stage", "context", "way"),
+    [
+        ("tall_objects", "wine_bottle", "from_side"),
+        ("tall_objects", "milk", "from_side"),
+        ("everyday_objects", "soup_can", "firmly"),
+        ("everyday_objects", "tennis_ball", "gently"),
+    ],
+)
+def test_fetch_takes_objects_for_one_hand_by_their_size(stage: str, context: str, way: str) -> None:
+    chosen: list[str] = []
+
+    def note(transition: Transition) -> None:
+        if transition.action in ("from_side", "firmly", "gently"):
+            chosen.append(transition.action)
+            raise InterruptedError
+
+    request = load("fetch", stage=stage)
+    with (
+        simulate(request, backend="mujoco", cameras="ideal") as simulated,
+        pytest.raises(InterruptedError),
+    ):
+        simulated.robot.run(3, context=context, on_transition=note)
+    assert chosen == [way]
