@@ -276,7 +276,7 @@ class Control(Section):
     rate: Rate
     """Control ticks per second."""
     joint_speed: AngularSpeed = 1.5
-    """Maximum speed of the joints' references; a drive that lags catches up at the model's limit."""
+    """Maximum speed of the joints' references; lagging drives catch up at the model's limit."""
     lead: Angle = 0.12
     """Maximum distance of a joint's reference from its measured position."""
     limit_margin: Angle = 0.01
