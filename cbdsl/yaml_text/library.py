@@ -191,6 +191,9 @@ class Library:
         self._read.pop(key, None)
         self._bound.clear()
         kinds = {declared_kind((each or b"").decode("utf-8", "replace")) for each in (before, data)}
+        if "shared" in kinds:
+            # Any program may hold parts of it.
+            self._read.clear()
         if len(kinds) > 1:
             # A name refers to a file of one kind alone.
             self._files_by_name.clear()

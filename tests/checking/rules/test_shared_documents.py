@@ -9,6 +9,7 @@ import pytest
 from cbdsl.checking.document import check_document
 from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
+from cbdsl.checking.session import Session
 from cbdsl.yaml_text.library import Library
 
 LOOKS = """\
@@ -136,6 +137,16 @@ def test_fault_of_a_shared_controller_is_one_finding(
     found = check_document(edited(folder, file, before, after))
     assert [each.code for each in found if each.is_error] == [code]
     assert (Path(found[0].place.file).name, found[0].place.line) == (Path(file).name, line)
+
+
+def test_edit_of_a_shared_document_reaches_programs_of_the_same_session(folder: Path) -> None:
+    session, shared = Session(), folder / "programs/shared/looks.yaml"
+    path = folder / "programs/go.yaml"
+    session.replace(shared, shared.read_bytes())
+    assert check_document(path, session) == []
+    assert session.replace(shared, shared.read_bytes().replace(b"watch(object)", b"look(object)"))
+    (problem,) = check_document(path, session)
+    assert (problem.code, problem.place.line) == ("CB629", 6)
 
 
 def test_cycle_of_shared_controllers_is_one_finding(folder: Path) -> None:
