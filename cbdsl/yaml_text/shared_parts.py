@@ -187,8 +187,11 @@ def as_program(
         parts: Parts without faults.
         text: Text of its file.
     """
+    # Quantities and names of controllers stand in places that no parameter of a program can have.
+    texts = (each for part in parts.values() for each in _texts(part.node))
+    awaited = {node.value for path, node in texts if path[-1:] in (("requires",), ("once",))}
     values = {
-        name: value if value in parts or value[:1] in "+-.0123456789" else f"${name}"
+        name: value if f"${name}" in awaited or value[:1] in "+-.0123456789" else f"${name}"
         for name, value in loaded.document.parameters.items()
     }
     examples = {
