@@ -32,6 +32,26 @@ class _Still(NamedTuple):
     values: Sequence[Floats | None]
 
 
+def last_rounds(course: Sequence[object], longest: int, least: int) -> tuple[int, int]:
+    """Return the length of the shortest round that a course ends with, and how often it recurs.
+
+    Args:
+        course: Course, such as of actions with their states.
+        longest: Maximum length of a round.
+        least: Minimum number of equal rounds.
+
+    Returns:
+        Length and number of rounds; 0 and 0 without a round.
+    """
+    for size in range(1, min(longest, len(course) // least) + 1):
+        last, rounds, end = course[-size:], 1, len(course) - size
+        while course[max(0, end - size) : end] == last:
+            rounds, end = rounds + 1, end - size
+        if rounds >= least:
+            return size, rounds
+    return 0, 0
+
+
 class FruitlessLoop:
     """Finder of a loop of actions that recurs while no measured signal changes.
 
@@ -78,12 +98,10 @@ class FruitlessLoop:
     def _loop(self) -> Sequence[str]:
         """Return the actions of a quick loop whose last two rounds are the same; empty if none."""
         times, done = [each[0] for each in self._passed], [each[1:] for each in self._passed]
-        for size in range(1, _LONGEST + 1):
-            if len(done) <= 2 * size or times[-1] - times[-1 - size] > _ROUND:
-                return ()
-            if done[-size:] == done[-2 * size : -size]:
-                return tuple(dict.fromkeys(action for action, _ in done[-size:]))
-        return ()
+        size, _ = last_rounds(done, _LONGEST, 2)
+        if not size or len(done) <= 2 * size or times[-1] - times[-1 - size] > _ROUND:
+            return ()
+        return tuple(dict.fromkeys(action for action, _ in done[-size:]))
 
     def _values(self) -> list[Floats | None]:
         """Return the joint positions, rad and m, and the value of each signal in SI units."""

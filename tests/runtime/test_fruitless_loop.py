@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.fruitless_loop import FruitlessLoop
+from cbdsl.runtime.fruitless_loop import FruitlessLoop, last_rounds
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
@@ -120,3 +122,17 @@ def test_shipped_search_for_an_absent_object_goes_on(
     checked: Checked, play: Play, name: str
 ) -> None:
     assert "went round" not in play(checked(name), nothing).result.ending
+
+
+@given(st.text("abc", max_size=6), st.text("abc", min_size=1, max_size=5), st.integers(2, 4))
+def test_last_rounds_of_a_course_are_the_shortest_ones(
+    before: str, around: str, rounds: int
+) -> None:
+    course = before + rounds * around
+    size, count = last_rounds(course, len(around), rounds)
+    assert 0 < size <= len(around)
+    assert count >= rounds
+    assert course.endswith(count * course[-size:])
+    shorter = range(1, size)
+    assert not any(course.endswith(rounds * course[-each:]) for each in shorter)
+    assert last_rounds(course, len(around), len(course) + 1) == (0, 0)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cbdsl.reporting.why.history import END, FailureCause, History
+from cbdsl.runtime.fruitless_loop import last_rounds
 
 # Number of equal rounds that make a cycle.
 _ROUNDS = 3
@@ -91,20 +92,10 @@ def _seconds(history: History, transition: Mapping[str, Any]) -> float:
 def _cycle(history: History, own: Sequence[Mapping[str, Any]]) -> Iterator[FailureCause]:
     """Yield the first repetition of the shortest cycle that lasted to the end."""
     steps = [(each["state"], each["action"], each["next_state"]) for each in own]
-    for length in range(1, _LONGEST + 1):
-        rounds = 1
-        while (
-            steps[-length:]
-            and steps[-length:]
-            == steps[len(steps) - length * (rounds + 1) : len(steps) - length * rounds]
-        ):
-            rounds += 1
-        if rounds >= _ROUNDS:
-            again = own[len(own) - length * (rounds - 1)]
-            names = ", ".join(dict.fromkeys(step[1] for step in steps[-length:]))
-            clause = f"{names} repeated the same states {rounds} times until the end"
-            tick = max(0, history.tick(again["time"]) - again["ticks"])
-            yield FailureCause(
-                "cycle", tick, clause, {"rounds": rounds, "length": length}, rank=END
-            )
-            return
+    length, rounds = last_rounds(steps, _LONGEST, _ROUNDS)
+    if rounds:
+        again = own[len(own) - length * (rounds - 1)]
+        names = ", ".join(dict.fromkeys(step[1] for step in steps[-length:]))
+        clause = f"{names} repeated the same states {rounds} times until the end"
+        tick = max(0, history.tick(again["time"]) - again["ticks"])
+        yield FailureCause("cycle", tick, clause, {"rounds": rounds, "length": length}, rank=END)
