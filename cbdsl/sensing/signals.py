@@ -11,7 +11,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
 from cbdsl.sensing.binders import Binders
-from cbdsl.sensing.declared_signal import signal_reader
+from cbdsl.sensing.declared_signal import model_reader, sensor_reader
 from cbdsl.sensing.density import Sampler, joint_sampler
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.predicted_signals import PredictedSignals
@@ -22,17 +22,15 @@ from cbdsl.sensing.table.chain import require_executed
 from cbdsl.sensing.table.kinematic_rows import KinematicRows
 from cbdsl.sensing.table.reading import Reading, shaped
 from cbdsl.sensing.table.refresh import CONTACT, DISPLACED, NORMAL_FORCES, refresh
-from cbdsl.sensing.table.signal_rows import Reader, Selection, SignalRows
+from cbdsl.sensing.table.signal_rows import Selection, SignalRows
 from cbdsl.sensing.table.table import Form, RowPart
 from cbdsl.sensing.table.tips import Tips
 from cbdsl.sensing.vision.shapes.surface import SurfaceSampler
 from cbdsl.types.casts import Chain
 from cbdsl.types.resource import (
-    ModelSignal,
     NetForces,
     Origin,
     Resource,
-    SensorSignal,
     Source,
 )
 from cbdsl.types.resource_type import POSITION
@@ -86,7 +84,12 @@ class Signals:
         self.vision, self.sight = self.sensors.vision, self.sensors.sight
         predicted = PredictedSignals(self.read, self.clock, self.vision)
         self._binders = Binders(
-            self._rows, self.kinematic_rows, self.sensors, predicted, self._declared
+            self._rows,
+            self.kinematic_rows,
+            self.sensors,
+            predicted,
+            lambda signal, size: sensor_reader(signal, size, len(self.joints), self),
+            lambda signal, size: model_reader(signal, size, len(self.joints), self),
         )
         self.reset()
 
@@ -212,10 +215,6 @@ class Signals:
     def _bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
         require_executed(resource, chains)
         return self._binders.bind(resource, chains)
-
-    def _declared(self, signal: SensorSignal | ModelSignal, size: int) -> Reader:
-        """Return the reader of a signal that another package adds."""
-        return signal_reader(signal, size, len(self.joints), self)
 
     def _bind_normal_forces(self, normals: Normals | None, owner: str) -> int:
         if normals is Normals.PALMS:
