@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -46,16 +46,18 @@ _AWAY, _DEEP, _WIDE, _THICK, _AROUND, _BALL, _BELOW = (0.45, 0.6), 0.4, 0.8, 0.0
 # Fractions of a limb's length. A limb whose shoulder and tip are this far above the robot's base
 # works on the surface on which the robot stands.
 _BASE, _STANDING = 0.02, 0.1
+# Greatest height of a shoulder above the table, in lengths of the limb.
+_DEEPEST = 0.45
 
 
 # Model of a bench: all measures are fractions of the limb's length, so that proposals suit robots
 # of any size. The table is in the direction from the shoulder to the tip, at 0.45 to 0.6 lengths.
 # It is parallel to the axes, because stages place objects within ranges of x and y. Its top is
 # below the lowest named posture of the tip. If the limb is above the robot's base, the top is at
-# height 0, the surface on which the robot stands. The assumption is that objects near the tip's own
+# height 0, the surface on which the robot stands, or not far below the shoulder. The assumption is that objects near the tip's own
 # distance can be reached. No inverse kinematics is solved: joint limits may exclude a part of the
 # table.
-def bench(robot: RobotDocument, file: Path, parts: Collection[str] = ()) -> Bench:
+def bench(robot: RobotDocument, file: Path) -> Bench:
     """Return a bench in front of the longest limbs of a robot, below their tips.
 
     The bench of a single limb is on the side of its tip; the bench of several limbs is ahead.
@@ -63,14 +65,12 @@ def bench(robot: RobotDocument, file: Path, parts: Collection[str] = ()) -> Benc
     Args:
         robot: Robot of the stage.
         file: Document of the robot.
-        parts: Effectors that are asked for; all if none of them is a limb.
     """
     try:
         model = read_urdf(file.parent / robot.model)
     except UrdfError:
         return _ANY  # the model has its own diagnostics
-    known = {name: each for name, each in robot.effectors.items() if _is_limb(model, each)}
-    limbs = [each for name, each in known.items() if name in parts] or list(known.values())
+    limbs = [each for each in robot.effectors.values() if _is_limb(model, each)]
     most = max((len(each.joints) for each in limbs), default=0)
     return _before([_Limb(model, each) for each in limbs if len(each.joints) == most])
 
@@ -116,7 +116,9 @@ def _before(limbs: Sequence[_Limb]) -> Bench:
     thick = round(_THICK * length, 3)
     stands = middle[2] > _BASE * length and tip[2] > _STANDING * length
     lowest = min(limb.lowest for limb in limbs)
-    top = 0.0 if stands else round(lowest - _BELOW * length, 3)
+    # An arm on a column or a torso works on a table of its own height, and not on the floor.
+    standing = round(max(0.0, middle[2] - _DEEPEST * length), 3)
+    top = standing if stands else round(lowest - _BELOW * length, 3)
     deep, wide, around = (round(part * length, 2) for part in (_DEEP, _WIDE, _AROUND))
     ball = max(round(_BALL * length, 3), 0.005)
     return Bench(

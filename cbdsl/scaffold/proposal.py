@@ -56,6 +56,7 @@ _SHARE = 0.05
 _BEFORE = (0.02, 0.15)
 # Words for a side in the name of an effector, and the minimum number of joints of a limb.
 _SIDE = re.compile(r"(?:^|_)(?:left|right|l|r)(?=_|$)", re.IGNORECASE)
+_RIGHT = re.compile(r"(?:^|_)(?:right|r)(?=_|$)", re.IGNORECASE)
 _LIMB = 3
 # Rotation of a limb at its first joint for a posture beside the first posture, rad.
 _ASIDE = math.radians(30)
@@ -118,7 +119,8 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
             )
             for name, each in effectors.items()
         ),
-        "groups": _groups(_alike(effectors) if semantics is None else semantics.groups),
+        "groups": _groups(_alike(effectors) if semantics is None else semantics.groups)
+        + _roles(effectors),
         "couplings": _couplings(model, effectors),
         "load_cells": _load_cells(hands),
         "stiffness": _stiffness(hands),
@@ -329,6 +331,19 @@ def _groups(groups: Mapping[str, Sequence[str]]) -> str:
         if lines
         else ""
     )
+
+
+def _roles(effectors: Mapping[str, SemanticGroup]) -> str:
+    """Return the lines of the limb that programs for any arm take, if there are several."""
+    limbs = {name: each for name, each in effectors.items() if each.tip is not None}
+    if len(limbs) < 2:
+        return ""
+
+    def rank(name: str) -> tuple[bool, bool, int]:
+        is_right = _RIGHT.search(name) is not None
+        return "arm" in name.lower(), is_right, len(limbs[name].joints)
+
+    return f"\n# Programs for any arm take this one.\nroles: {{arm: {max(limbs, key=rank)}}}\n"
 
 
 def _simulation(

@@ -96,11 +96,15 @@ def _ranges(context: ProgramContext, effector: str, moved: tuple[str, ...]) -> I
     joints = context.body.document.joints(effector)
     if joints != moved:
         yield f"it applies to the joints of '{effector}', but others are moved"
-    for joint, span in zip(joints, context.body.limits(joints), strict=True):
+    spans = dict(zip(joints, context.body.limits(joints), strict=True))
+    for joint, span in spans.items():
         # The potential divides by the range of each joint, and its minimum is in the middle
-        # (Eq 3.4).
-        if span is not None and not (math.isfinite(span[1] - span[0]) and span[0] < span[1]):
+        # (Eq 3.4). A joint that turns without end has nothing to keep away from.
+        if span is not None and not span[0] < span[1]:
             yield f"joint '{joint}' has no limits with a middle between them"
+    known = [span for span in spans.values() if span is not None]
+    if known and not any(math.isfinite(span[1] - span[0]) for span in known):
+        yield f"no joint of '{effector}' has limits"
 
 
 def _sight(context: ProgramContext) -> Iterator[str]:

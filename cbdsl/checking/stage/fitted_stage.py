@@ -31,14 +31,14 @@ def fitted_stage(
         loaded: Stage.
         robot: Robot before which its objects stand.
         file: Document of the robot.
-        parts: Effectors that act on the stage; all if none of them has a tip.
+        parts: Effectors that act on the stage, whose span counts; the first hand's if empty.
 
     Raises:
         UnfitStageError: The robot lacks a measure, or a sum of measures is no length.
     """
     if loaded.document.robot != ANY_ROBOT:
         return loaded.document
-    before = bench(robot, file, parts)
+    before = bench(robot, file)
     x, y, z = before.position
     measures = {
         "bench.x": x,

@@ -29,9 +29,12 @@ def build(controller: Controller, setting: Setting) -> Potential:
 def between(lower: Floats, upper: Floats) -> Potential:
     """Return the range potential between limits, rad, shape (m,)."""
     span = upper - lower
-    if not (np.isfinite(span).all() and (span > 0).all()):
+    endless = np.isinf(span)
+    if endless.all() or not (span > 0).all():
         raise ValueError("a range potential needs finite joint limits, lower below upper")
-    parameters = np.concatenate((0.5 * (lower + upper), np.pi / span))
+    # A joint that turns without end has nothing to keep away from.
+    centres = np.where(endless, 0.0, 0.5 * (np.where(endless, 0.0, lower) + upper))
+    parameters = np.concatenate((centres, np.where(endless, 0.0, np.pi / span)))
     return Potential(distance_from_centre, len(span), parameters=parameters)
 
 

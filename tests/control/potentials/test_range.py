@@ -24,7 +24,16 @@ def test_range_potential_keeps_full_rank_at_the_centre() -> None:
     assert np.linalg.matrix_rank(evaluation.jacobian) == 5
 
 
-@pytest.mark.parametrize("upper", [np.inf, -1.0, np.nan])
-def test_range_potential_of_joints_without_limits_is_refused(upper: float) -> None:
+@pytest.mark.parametrize("upper", [(np.inf, np.inf), (1.0, -1.0), (1.0, np.nan)])
+def test_range_potential_of_joints_without_limits_is_refused(upper: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="finite joint limits"):
-        between(-np.ones(2), np.array([1.0, upper]))
+        between(np.array([-1.0, -np.inf if np.isinf(upper[1]) else -1.0]), np.array(upper))
+
+
+def test_joint_without_end_keeps_away_from_nothing() -> None:
+    both = between(np.array([-1.0, -np.inf]), np.array([2.0, np.inf]))
+    alone = between(np.array([-1.0]), np.array([2.0]))
+    expected = evaluate(alone, Signal(np.array([1.5]), np.eye(1)))
+    for angle in (-5.0, 0.3, 40.0):
+        found = evaluate(both, Signal(np.array([1.5, angle]), np.eye(2)))
+        assert found.phi == expected.phi and not found.jacobian[:, 1].any()
