@@ -18,7 +18,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.types.relative import ANY_ROBOT, named, replaced, with_parts
+from cbdsl.types.relative import ANY_ROBOT, named, replaced, with_measures, with_parts
 from cbdsl.types.role import EYES, RELATIONS, ROBOT, STEREO, STEREO_HEADING, Role, role
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
@@ -89,7 +89,10 @@ def bindings(
 
 
 def bind(
-    loaded: Loaded[ProgramDocument], robot: CheckedRobot, values: Mapping[str, str]
+    loaded: Loaded[ProgramDocument],
+    robot: CheckedRobot,
+    values: Mapping[str, str],
+    measures: Mapping[str, float] | None = None,
 ) -> Loaded[ProgramDocument] | str:
     """Return a program with effectors of a robot in its roles, or the reason why there are none.
 
@@ -100,6 +103,7 @@ def bind(
         loaded: Program with roles.
         robot: Robot.
         values: Given effectors by role, and other values.
+        measures: Measures of the robot and its bench by name, m, if the program has any.
     """
     document, roles = loaded.document, read_roles(loaded.document)
     for name, each in roles.items():
@@ -119,7 +123,7 @@ def bind(
             "or name one in 'roles' of its document"
         )
     effectors = {name: value for name, value in best[0].items() if roles[name].wanted.kind != EYES}
-    stated = _with_values(loaded, robot, best[0], effectors)
+    stated = _with_values(loaded, robot, best[0], effectors, measures or {})
     if isinstance(stated, str):
         return stated
     update = {
@@ -135,6 +139,7 @@ def _with_values(
     robot: CheckedRobot,
     chosen: Mapping[str, str],
     effectors: Mapping[str, str],
+    measures: Mapping[str, float],
 ) -> ProgramDocument | str:
     """Return a program with the values of a robot's document, or the reason against that robot."""
     data, known = loaded.source.root.plain(), robot.document.effectors
@@ -147,7 +152,7 @@ def _with_values(
         if name in known
         for key, text in known[name].values.items()
     }
-    bound = replaced(data, lambda text: with_parts(text, texts))
+    bound = replaced(data, lambda text: with_measures(with_parts(text, texts), measures))
     try:
         return ProgramDocument.model_validate(bound, context={"folder": loaded.path.parent})
     except ValidationError as error:
@@ -164,12 +169,16 @@ def _lacking(error: ValidationError, robot: CheckedRobot, effectors: Mapping[str
     role, _, key = name.partition(".")
     if role not in effectors:
         return f"robot '{document.name}' does not suit {where}: {first['msg']}"
-    known = document.effectors.get(effectors[role])
-    states = ", ".join(known.values) if known is not None and known.values else "none"
-    near = suggestion(key, known.values if known is not None else ())
+    return _states_no(key, effectors[role], robot, where)
+
+
+def _states_no(key: str, effector: str, robot: CheckedRobot, where: str) -> str:
+    known = robot.document.effectors.get(effector)
+    values = {} if known is None else known.values
     return (
-        f"robot '{document.name}' states no value '{key}' of '{effectors[role]}', which {where} "
-        f"needs{near}; write it in 'values' of that effector (it states {states})"
+        f"robot '{robot.document.name}' states no value '{key}' of '{effector}', which {where} "
+        f"needs{suggestion(key, values)}; write it in 'values' of that effector (it states "
+        f"{', '.join(values) or 'none'})"
     )
 
 
@@ -255,13 +264,57 @@ def on_robot(
     body = session.body(file, Diagnostics())
     if isinstance(body, Unknown):
         return f"robot '{name}' has errors, which 'cb validate {file}' lists"
-    bound = bind(loaded, body, values)
+    bound = bind(loaded, body, values, _measures(loaded, body, file))
     if isinstance(bound, str):
         return bound
+    if lacking := _unstated(loaded, bound.document, body, session):
+        return lacking
     use = {key: _suitable(each, name, loaded, session) for key, each in bound.document.use.items()}
     stage = _stage(bound.document, name, loaded.path, library)
     document = bound.document.model_copy(update={"use": use, "stage": stage, "stages": ()})
     return bound._replace(document=document)
+
+
+def _unstated(
+    loaded: Loaded[ProgramDocument],
+    bound: ProgramDocument,
+    robot: CheckedRobot,
+    session: Session,
+) -> str:
+    """Return which value a robot lacks that another robot at hand states; empty if none."""
+    effectors = robot.document.effectors
+    for name in dict.fromkeys(named(loaded.source.root.plain())):
+        role, _, key = name.partition(".")
+        own = bound.parameters.get(role, "")
+        if role not in loaded.document.roles or own not in effectors:
+            continue
+        resource = f"{own}.{key}"
+        is_known = key in effectors[own].values or any(
+            each == resource or each.startswith(f"{resource}.") for each in robot.resources
+        )
+        if not is_known and key in _stated(loaded.path, session):
+            return _states_no(key, own, robot, "the program")
+    return ""
+
+
+def _stated(path: Path, session: Session) -> set[str]:
+    """Return the names of the values that robots at hand state."""
+    files = (
+        session.library.find(RobotDocument, name, path)
+        for name in robots_at_hand(path, session.library)
+    )
+    bodies = (session.body(file or UNKNOWN, Diagnostics()) for file in files)
+    known = [each.document for each in bodies if not isinstance(each, Unknown)]
+    return {key for robot in known for each in robot.effectors.values() for key in each.values}
+
+
+def _measures(loaded: Loaded[ProgramDocument], robot: CheckedRobot, file: Path) -> dict[str, float]:
+    """Return the measures of a robot's bench, if a program refers to them."""
+    if not any("bench." in line or " reach" in line for line in loaded.source.lines):
+        return {}
+    from cbdsl.kinematics.bench import bench  # few programs need it
+
+    return bench(robot.document, file).measures
 
 
 def _suitable(use: Use, robot: str, loaded: Loaded[ProgramDocument], session: Session) -> Use:

@@ -31,6 +31,13 @@ class Bench(NamedTuple):
     radius: tuple[float, float]
     reach: float
 
+    @property
+    def measures(self) -> dict[str, float]:
+        """Reach of the limb, and the middle of the table's top, by name, m."""
+        x, y, z = self.position
+        top = z + self.size[2] / 2
+        return {"reach": self.reach, "bench.x": x, "bench.y": y, "bench.z": top}
+
     def values(self) -> dict[str, str]:
         """Return the values of the stage template's placeholders, in centimetres."""
         spans = {name: each for name, each in self._asdict().items() if isinstance(each, tuple)}
@@ -54,8 +61,8 @@ _DEEPEST = 0.45
 # of any size. The table is in the direction from the shoulder to the tip, at 0.45 to 0.6 lengths.
 # It is parallel to the axes, because stages place objects within ranges of x and y. Its top is
 # below the lowest named posture of the tip. If the limb is above the robot's base, the top is at
-# height 0, the surface on which the robot stands, or not far below the shoulder. The assumption is that objects near the tip's own
-# distance can be reached. No inverse kinematics is solved: joint limits may exclude a part of the
+# height 0, the surface on which the robot stands, or not far below the shoulder. The assumption is
+# that objects near the tip's own distance can be reached. No inverse kinematics is solved: joint limits may exclude a part of the
 # table.
 def bench(robot: RobotDocument, file: Path) -> Bench:
     """Return a bench in front of the longest limbs of a robot, below their tips.

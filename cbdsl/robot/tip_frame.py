@@ -46,6 +46,11 @@ def acting_links(
     return _end(branches, link), ()
 
 
+def is_acting(link: str) -> bool:
+    """Return whether a link has the name of an acting frame."""
+    return any(name.search(link) for name in _ACTING)
+
+
 # Models of simple robots often end at the last joint, without a frame at the far end. Its position
 # is then estimated from the bounding box of the last link's shapes. The axis is chosen along which
 # the centre of the box is farthest from the joint. Along it, the farther end is the tip. No

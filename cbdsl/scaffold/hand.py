@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -68,6 +69,21 @@ class ProposedHand:
         opened, closed = self._extremes(middle)
         self.postures = {"open": opened, "closed": closed}
         self.pads = tuple(self._pad(link, opened, closed) for link in self._ends)
+
+    @property
+    def span(self) -> float:
+        """Mean distance of two pads of the open hand, m."""
+        centres = [centre for centre, _ in self._centres(self.postures["open"]).values()]
+        gaps = [np.linalg.norm(one - other) for one, other in itertools.combinations(centres, 2)]
+        return float(np.mean(gaps))
+
+    def grip(self, link: str) -> tuple[float, float, float]:
+        """Return the point between the closing pads in the frame of a link that carries them, m."""
+        placed = self._centres(self.postures["closed"])
+        middle = np.mean([centre for centre, _ in placed.values()], axis=0)
+        frame = self._tree.place({**self._model.rests})[link].child
+        x, y, z = np.round(frame.rotation.T @ (middle - frame.position), 4) + 0.0
+        return float(x), float(y), float(z)
 
     def _moving_joints(self) -> Mapping[str, str]:
         """Return the actuated joint of each joint that moves with one of the hand's."""

@@ -29,7 +29,7 @@ from cbdsl.diagnostics.legible_text import legible, seen
 from cbdsl.kinematics.ready_posture import PLACING, ReadyPosture, at_first
 from cbdsl.robot.chains import Chain, chains, root
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
-from cbdsl.robot.tip_frame import tip_offset
+from cbdsl.robot.tip_frame import is_acting, tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints
 from cbdsl.robot.urdf import Mimic, Numbers, UrdfError, UrdfJoint, UrdfModel
 from cbdsl.scaffold.hand import DAMPING, FORCE, STIFFNESS, ProposedHand
@@ -98,6 +98,7 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
     idle = _left_out(model, effectors)
     tips = {name: _offset(model, effector) for name, effector in effectors.items()}
     hands = _hands(model, limbs)
+    tips |= dict(_between_pads(model, effectors, hands))
     postures = {
         name: dict(each.postures)
         or (hands[name].postures if name in hands else _proposed(model, each, tips[name]))
@@ -115,7 +116,7 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
                 each,
                 tips[name],
                 contacts.postures[name],
-                _values(model, each, tips[name]),
+                _values(model, each, tips[name], hands.get(name)),
             )
             for name, each in effectors.items()
         ),
@@ -217,8 +218,31 @@ def _offset(model: UrdfModel, effector: SemanticGroup) -> Numbers:
     return tip_offset(model, effector.joints[-1], effector.tip)
 
 
-def _values(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> list[str]:
-    """Return how far before a thing a tip stops, for programs over roles, as lines."""
+def _between_pads(
+    model: UrdfModel,
+    effectors: Mapping[str, SemanticGroup],
+    hands: Mapping[str, ProposedHand],
+) -> Iterator[tuple[str, Numbers]]:
+    """Yield the arms whose tip is between the pads of the hand that they carry, with its offset."""
+    for hand in hands.values():
+        way = [joint.name for joint in model.way(hand.pads[0].link)]
+        for name, each in effectors.items():
+            is_last = each.tip is not None and each.joints[-1].name in way
+            if is_last and each.tip is not None and not is_acting(each.tip):
+                yield name, hand.grip(each.tip)
+
+
+def _values(
+    model: UrdfModel, effector: SemanticGroup, offset: Numbers, hand: ProposedHand | None
+) -> list[str]:
+    """Return what programs over roles have to know of an arm or a hand, as lines."""
+    if hand is not None:
+        span, unit = hand.span, "m" if effector.joints[0].slides else "rad"
+        shut = f"{hand.postures['closed'][0]:.4g} {unit}"
+        return [
+            "  # Width between the open pads, force of each, and where nothing is between them.",
+            f"  values: {{span: {100 * span:.3g} cm, grip: 8 N, shut: {shut}}}",
+        ]
     if effector.tip is None or len(effector.joints) < PLACING:
         return []
     length = ReadyPosture(model, effector.joints, effector.tip, offset).length

@@ -88,7 +88,7 @@ def with_measures(text: str, measures: Mapping[str, float]) -> str | float:
         KeyError: A measure is not known.
         QuantityError: A term has no unit of length.
     """
-    if text.lstrip().startswith("$") or not is_relative(text):
+    if not measures or text.lstrip().startswith("$") or not is_relative(text):
         return text
     total = 0.0
     for sign, term in _SUM.findall(text):

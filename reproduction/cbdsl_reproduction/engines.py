@@ -150,8 +150,10 @@ class EmbodiedRobot:
 def _parts() -> Iterator[PlayedPart]:
     for name in shipped_names(ProgramDocument):
         document = shipped_document(ProgramDocument, name)
-        if document.robot == _ROBOT and document.stage is not None:
-            request = shipped_program(name)
+        if document.stage is None or document.robot not in (_ROBOT, ""):
+            continue
+        request = shipped_program(name)
+        if request.program.robot == _ROBOT:
             digest = digest_of_text(str(request.digest))
             own = digest + request.program_file.read_text(encoding="utf-8")
             yield PlayedPart(name, request.program, request.stage, own)

@@ -175,8 +175,8 @@ class Injection(NamedTuple):
     stage: str = ""
 
 
-_PICK, _TOUCH, _GRIP, _PANDA = "pick_and_lift", "reachtouch", "panda_grasp", "panda_pick"
-_STAGE = "cube_before_panda"
+_PICK, _TOUCH, _GRIP, _PANDA = "pick_and_lift", "reachtouch", "grip", "pick"
+_STAGE = "cube_on_bench"
 _STEPS = (
     "  reachtouch: {then: ease, failed: back_off}\n  ease: {then: grip}\n"
     "  grip: {exits: [grip at rest: lift], failed: back_off}\n"
@@ -187,6 +187,7 @@ _SWAPPED = (
 )
 _RETRY, _AGAIN = "[back_off at rest: reachtouch]", "[back_off at rest: grip]"
 _AT = "    reference: stereo.$feature\n"
+_SEEN = "    reference: $eyes.$feature\n"
 _OFF = '    reference: "stereo.$feature + [0 cm, {} cm, 0 cm]"\n'
 _DOWN = "    reference: [180 deg, 0 deg, 0 deg]\n"
 _TILTED = "    reference: [130 deg, 0 deg, 0 deg]\n"
@@ -212,9 +213,9 @@ DEVELOPED = (
 
 #: Injections into programs that were not used for the development.
 JUDGED = (
-    Injection("no_grasp", _PANDA, {_GRIP: [("until: 2 mm", "until: 30 mm")]}),
+    Injection("no_grasp", _PANDA, {_GRIP: [("until: $hand.shut", "until: 30 mm")]}),
     Injection("slip", _PANDA, fault=InjectedSlip),
-    Injection("translation", _PANDA, {_GRIP: [(_AT, _OFF.format(12))]}),
+    Injection("translation", _PANDA, {_GRIP: [(_SEEN, _OFF.format(12))]}),
     Injection(
         "wrong_order",
         _PANDA,
@@ -234,9 +235,9 @@ JUDGED = (
         _PANDA,
         {
             _STAGE: [
-                ("size: [60 cm, 120 cm, 4 cm]", "size: [140 cm, 120 cm, 4 cm]"),
-                ("position: [58 cm,", "position: [98 cm,"),
-                ("x: [40 cm, 58 cm]", "x: [86 cm, 90 cm]"),
+                ("size: [0.6 reach,", "size: [1.3 reach,"),
+                ("position: [bench.x,", "position: [bench.x + 0.45 reach,"),
+                ("x: [bench.x - 0.08 reach, bench.x + 0.08 reach]", "x: [86 cm, 90 cm]"),
             ]
         },
     ),

@@ -19,7 +19,7 @@ from tests.conftest import ROOT
 ODD = ("a" * 300, "a\0b", "x/" * 3000, "../" * 300 + "x", "\ud800", "a\nb", "/dev/zero")
 DOCUMENTS = (
     "robots/panda.yaml",
-    "programs/panda_pick.yaml",
+    "programs/pick.yaml",
     "programs/stages/football.yaml",
     "knowledge/policies/reachtouch.yaml",
     "knowledge/schemas/reachtouch.yaml",

@@ -176,7 +176,7 @@ def test_reach_is_one_program_for_each_robot(robot: str) -> None:
     assert standoff is not None and standoff.clearance == read_quantity(stated, ("length",))
     # Only a head looks around.
     assert search.name == ("searchtrack" if "head" in document.effectors else "see")
-    assert checked.stage == ("table_right" if robot == "dexter" else "on_bench")
+    assert checked.stage == ("table_right" if robot == "dexter" else "over_bench")
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import pytest
 
 from cbdsl.backends.simulated_backend import simulate
 from cbdsl.checking.program import check_program
+from cbdsl.checking.stage.fitted_stage import fitted_stage
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
@@ -62,13 +63,14 @@ def test_a_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["bullet", "mujoco"])
-def test_panda_pick_puts_a_cube_at_its_place(
+def test_pick_puts_a_cube_of_a_panda_at_its_place(
     panda: RobotDocument, library: Library, engine: str
 ) -> None:
-    program = check_program("panda_pick", {}, library)
-    stage = library.read(library.locate(StageDocument, program.stage), StageDocument).document
+    program = check_program("pick", {"robot": "panda"}, library)
+    loaded = library.read(library.locate(StageDocument, program.stage), StageDocument)
+    stage = fitted_stage(loaded, panda, ROOT / "robots" / "panda.yaml")
     backend = simulate(engine, panda, URDF, cameras="ideal")
     Runner(panda, Kinematics(panda, URDF), program, backend).run(stage, 1)
     cube = backend.truth.pose("cube")
-    assert cube.position == pytest.approx([0.45, 0.30, 0.0225], abs=0.02)
+    assert cube.position == pytest.approx([0.49, 0.294, 0.0226], abs=0.02)
     backend.close()

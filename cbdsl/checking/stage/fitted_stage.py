@@ -38,15 +38,7 @@ def fitted_stage(
     """
     if loaded.document.robot != ANY_ROBOT:
         return loaded.document
-    before = bench(robot, file)
-    x, y, z = before.position
-    measures = {
-        "bench.x": x,
-        "bench.y": y,
-        "bench.z": z + before.size[2] / 2,
-        "reach": before.reach,
-        **dict(_spans(robot, parts)),
-    }
+    measures = {**bench(robot, file).measures, **dict(_spans(robot, parts))}
     try:
         data = replaced(loaded.source.root.plain(), lambda text: with_measures(text, measures))
         context = {"folder": loaded.path.parent}

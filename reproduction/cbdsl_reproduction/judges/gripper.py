@@ -1,4 +1,4 @@
-"""Whether ``panda_pick`` puts a cube within 2 cm of its place, flat on the table."""
+"""Whether ``pick`` puts a cube within 2 cm of its place, flat on the table."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cbdsl_reproduction.judges.watch import Watch, watched
 if TYPE_CHECKING:
     from cbdsl import EpisodeResult
 
-_PLACE, _CLOSE = (0.45, 0.30), 0.02  # m
+_PLACE, _CLOSE = (0.49, 0.294), 0.02  # m
 _FLAT = math.radians(10.0)
 
 
@@ -40,7 +40,7 @@ class _Cube(Watch):
 JUDGE = Judge(
     "gripper",
     "a cube that a Panda picks up and places",
-    (JudgedCondition("cube", "panda_pick", {"placed": Aim(0.95)}),),
+    (JudgedCondition("cube", "pick", {"placed": Aim(0.95)}),),
     watched(_Cube),
     episodes=100,
 )

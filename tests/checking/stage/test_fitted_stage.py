@@ -20,12 +20,12 @@ ROBOTS = Library().names(RobotDocument)
 def test_stage_for_any_robot_scales_with_its_reach(name: str) -> None:
     library, file = Library(), Path("robots", f"{name}.yaml")
     robot = library.read(file, RobotDocument).document
-    loaded = library.read(Path("programs/stages/on_bench.yaml"), StageDocument)
+    loaded = library.read(Path("programs/stages/over_bench.yaml"), StageDocument)
     stage, before = fitted_stage(loaded, robot, file), bench(robot, file)
     radius = stage.things["ball"].form.radius  # type: ignore[union-attr]
     assert stage.robot == name
     assert radius == pytest.approx((0.04 * before.reach, 0.06 * before.reach))
-    x = stage.contexts["still"].place.x  # type: ignore[union-attr]
+    x = stage.contexts["held"].place.x  # type: ignore[union-attr]
     assert (x[0] + x[1]) / 2 == pytest.approx(before.position[0])
 
 
