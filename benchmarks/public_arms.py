@@ -116,7 +116,9 @@ def main() -> None:
         if given.json:
             print(json.dumps({"arm": name, **row}), flush=True)
         else:
-            print(f"| {name} | {row['right']} of {row['of']} | {row['why'] or 'right'} |", flush=True)
+            print(
+                f"| {name} | {row['right']} of {row['of']} | {row['why'] or 'right'} |", flush=True
+            )
 
 
 if __name__ == "__main__":

@@ -62,8 +62,8 @@ _DEEPEST = 0.45
 # It is parallel to the axes, because stages place objects within ranges of x and y. Its top is
 # below the lowest named posture of the tip. If the limb is above the robot's base, the top is at
 # height 0, the surface on which the robot stands, or not far below the shoulder. The assumption is
-# that objects near the tip's own distance can be reached. No inverse kinematics is solved: joint limits may exclude a part of the
-# table.
+# that objects near the tip's own distance can be reached. No inverse kinematics is solved: joint
+# limits may exclude a part of the table.
 def bench(robot: RobotDocument, file: Path) -> Bench:
     """Return a bench in front of the longest limbs of a robot, below their tips.
 
