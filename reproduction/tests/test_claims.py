@@ -71,7 +71,7 @@ def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]
         ("deliver", "book", False),
         ("deliver", "parcel", False),
         ("grasp", "tuna_can", False),
-        ("pick", "on_table", True),
+        ("pick", "on_bench", True),
         ("pick_and_lift", "canister", False),
         ("pick_and_lift", "jar", True),
         ("pick_and_place", "mug", True),
