@@ -1,9 +1,9 @@
-"""Public arms that nobody edited: ``cb new robot --cameras``, then ``reach``, judged by the truth.
+"""Public arms without edits: ``cb new robot --cameras``, then ``reach``, judged by the truth.
 
 The models come from the packages ``pybullet_data``, part of PyBullet, and ``example-robot-data``
-(``pip install --no-deps example-robot-data``). An episode is right if the tip has come to rest
-before the object, no farther from its middle than its size, the gap of the robot's document and
-2 cm, and the object has not moved by more than 2 cm. A wrong arm has the most frequent cause.
+(``pip install --no-deps example-robot-data``). An episode is right if the tip rests before the
+object. Its distance from the middle is at most the object's size, the gap of the robot's document
+and 2 cm. The object has moved by 2 cm at most. A wrong arm has its most frequent causes.
 
     python benchmarks/public_arms.py [--only panda,ur] [--episodes 3] [--backend mujoco] [--json]
 """

@@ -235,7 +235,7 @@ def _between_pads(
 def _values(
     model: UrdfModel, effector: SemanticGroup, offset: Numbers, hand: ProposedHand | None
 ) -> list[str]:
-    """Return what programs over roles have to know of an arm or a hand, as lines."""
+    """Return the values of an arm or a hand for programs over roles, as lines."""
     if hand is not None:
         span, unit = hand.span, "m" if effector.joints[0].slides else "rad"
         shut = f"{hand.postures['closed'][0]:.4g} {unit}"

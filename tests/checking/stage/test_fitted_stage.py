@@ -29,10 +29,22 @@ def test_stage_for_any_robot_scales_with_its_reach(name: str) -> None:
     assert (x[0] + x[1]) / 2 == pytest.approx(before.position[0])
 
 
+def test_span_needs_a_robot_that_states_one() -> None:
+    library = Library()
+    loaded = library.read(Path("programs/stages/cube_on_bench.yaml"), StageDocument)
+    for name, problem in (("desk", "states no 'span'"), ("panda", "")):
+        file = Path("robots", f"{name}.yaml")
+        robot = library.read(file, RobotDocument).document
+        if not problem:
+            assert fitted_stage(loaded, robot, file).robot == name
+            continue
+        with pytest.raises(UnfitStageError, match=problem):
+            fitted_stage(loaded, robot, file)
+
+
 @pytest.mark.parametrize(
     ("radius", "problem"),
     [
-        ("0.3 span", "robot 'desk' states no 'span'"),
         ("0.1 reach - 1 N", "'1 N' is no length"),
         ("-0.1 reach", "greater than 0"),
     ],
