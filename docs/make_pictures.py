@@ -1,7 +1,8 @@
 """Make the pictures of README and gallery from recorded runs.
 
-Run ``python docs/make_pictures.py`` to record each run of the gallery, to draw its replay and to
-write docs/assets/reachtouch.gif and docs/assets/gallery. It needs Chromium and ffmpeg.
+Run ``python docs/make_pictures.py [NAME ...]`` to record all runs of the gallery or the named ones.
+It draws their replays and writes docs/assets/reachtouch.gif and, with a film of each run,
+docs/assets/gallery. It needs Chromium and ffmpeg.
 """
 
 from __future__ import annotations
@@ -18,14 +19,16 @@ sys.path.insert(0, str(ROOT))
 from tests.reporting.browser import Page, browser
 
 ASSETS = ROOT / "docs" / "assets"
-#: The run of the moving picture.
+#: The run of the README's moving picture.
 MOVING = "reachtouch"
-#: Frames per second of the moving picture, which plays at real time.
-RATE = 6
+#: Frames per second of films; they play at real time, or faster where a run is longer than this.
+RATE, LONGEST = 6, 30.0
 #: Time for which its last frame stays, s.
 PAUSE = 2.0
 #: Size of a picture, px.
 WIDTH, HEIGHT = 800, 542
+#: Compression of films, which begin before they are loaded.
+FILM = ("-c:v", "libx264", "-crf", "30", "-preset", "slow", "-movflags", "+faststart")
 #: Time of a still picture, as a share of the run.
 STILL = 0.8
 #: Layout: the scene beside the camera images, the strip of predicates below, and nothing else.
@@ -40,9 +43,10 @@ figure { margin: 0 0 6px !important } body { overflow: hidden }
 
 
 def main() -> None:
-    """Make all pictures."""
+    """Make the pictures and films of all exhibits, or of the named ones."""
     (ASSETS / "gallery").mkdir(parents=True, exist_ok=True)
-    for exhibit in EXHIBITS:
+    chosen = sys.argv[1:]
+    for exhibit in [each for each in EXHIBITS if not chosen or each.name in chosen]:
         with tempfile.TemporaryDirectory() as folder:
             _make(exhibit, Path(folder))
 
@@ -56,10 +60,12 @@ def _make(exhibit: Exhibit, folder: Path) -> None:
         page.value("dispatchEvent(new Event('resize'))")
         last = float(page.value("document.getElementById('scrub').max"))
         _draw(page, STILL * last, folder / "still.png")
-        if exhibit.name == MOVING:
-            for number in range(int(last * RATE) + 1):
-                _draw(page, number / RATE, folder / f"frame_{number:03d}.png")
-    _encode(folder / "still.png", "scale=640:-1", ASSETS / "gallery" / f"{exhibit.name}.jpg")
+        step = max(1.0, last / LONGEST) / RATE
+        for number in range(int(last / step) + 1):
+            _draw(page, number * step, folder / f"frame_{number:03d}.png")
+    gallery = ASSETS / "gallery"
+    _encode(folder / "still.png", "scale=640:-1", gallery / f"{exhibit.name}.jpg")
+    _encode(folder / "frame_%03d.png", "format=yuv420p", gallery / f"{exhibit.name}.mp4", *FILM)
     if exhibit.name == MOVING:
         _encode(folder / "frame_%03d.png", _palette(), ASSETS / f"{MOVING}.gif")
 
@@ -78,9 +84,9 @@ def _palette() -> str:
     )
 
 
-def _encode(source: Path, filters: str, target: Path) -> None:
+def _encode(source: Path, filters: str, target: Path, *options: str) -> None:
     command = ["ffmpeg", "-loglevel", "error", "-y", "-framerate", str(RATE), "-i", str(source)]
-    subprocess.run([*command, "-filter_complex", filters, str(target)], check=True)
+    subprocess.run([*command, "-filter_complex", filters, *options, str(target)], check=True)
 
 
 if __name__ == "__main__":

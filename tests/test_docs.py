@@ -367,6 +367,13 @@ def test_site_build_inserts_the_same_generated_part_twice(name: str) -> None:
     assert built == on_page_markdown(text)
 
 
+def test_films_of_the_gallery_exist_and_are_small() -> None:
+    text = (DOCS / "gallery.md").read_text("utf-8")
+    films = re.findall(r'<video [^>]*poster="([^"]+)"\s+src="([^"]+)"', text)
+    assert len(films) == text.count("\n## ")
+    assert all((DOCS / each).stat().st_size < 1_000_000 for pair in films for each in pair)
+
+
 def words(text: str) -> int:
     """Return the number of words of a text, without numbers and signs."""
     return sum(bool(re.search("[A-Za-z]", word)) for word in text.split())
