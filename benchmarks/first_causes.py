@@ -1,6 +1,6 @@
 """Judge of ``cb why``: episodes with injected causes, and the first causes that it names.
 
-``python -m cbdsl_reproduction.first_causes --seeds 20`` runs the judged programs. Explanations were
+``python -m benchmarks.first_causes --seeds 20`` runs the judged programs. Explanations were
 developed with ``--set developed``, which has other programs. Injections act through programs,
 stages, and the simulated backend; ``cb why`` reads recordings alone.
 """

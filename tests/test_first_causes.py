@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import cbdsl
-from cbdsl_reproduction.first_causes import (
+from benchmarks.first_causes import (
     DEVELOPED,
     JUDGED,
     CauseVerdict,
