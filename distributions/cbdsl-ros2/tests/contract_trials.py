@@ -35,7 +35,6 @@ import numpy as np
 
 if TYPE_CHECKING:
     from cbdsl.extend.backend import Floats, RobotDocument
-    from cbdsl.robot.stopping_time import StoppingTime
 
 ROOT = Path(__file__).parents[3]
 CELL = Path(__file__).with_name("rclpy_cell.py")
@@ -64,8 +63,8 @@ class Kind(NamedTuple):
         before: True if the fault is there before the program, which is then never ready.
         still: True if the arm has to be still after the fault, and not only the program held.
         within: Longest time until then, s. It begins with the fault, or with the first command of
-            a rival. The time after a fault that the document states for slow rates is longer. A
-            program that died, ``None``, has the time that the document states for it.
+            a rival. A program that died, ``None``, has the time that the document states for it,
+            and at most the time of all faults.
         way: Motion after the fault that passes after any time, rad.
         nodes: Nodes of the arm. Served arms have the rate of 60 Hz alone.
         harmless: True if the program survives the fault, and is then interrupted. Only lost
@@ -153,7 +152,10 @@ class Outcome(NamedTuple):
         violations: Commands to the arm of rclpy beyond a limit of position, velocity or
             acceleration, or not finite.
         cause: Last words of the program.
-        passed: True if the contract held.
+        passed: True if the contract held in time.
+        held: True if the contract held but for the time.
+        bound: Time that the document states for this fault, s, without a silence of a button. It
+            informs, and does not judge.
         load: Processes that were running or waiting at the end of the trial, on average over a
             minute.
     """
@@ -168,6 +170,8 @@ class Outcome(NamedTuple):
     violations: int
     cause: str
     passed: bool
+    held: bool
+    bound: float
     node: str = FAST
     load: float = math.nan
 
@@ -410,8 +414,8 @@ class Trial:
         if not self._trace.exists():
             # A killed arm writes no motion, and its program has to notice.
             held = "is held" in said and any(c in said for c in self._kind.cause.split("|"))
-            passed = held and self._name == "arm killed"
-            return self._row(False, math.nan, math.nan, 0, 0, said, passed)
+            held = held and self._name == "arm killed"
+            return self._row(False, math.nan, math.nan, 0, 0, said, held, held)
         times, positions, commands, sent, fault = self._motion()
         if fault and not self._kind.before:
             begun = fault
@@ -429,34 +433,32 @@ class Trial:
         elapsed = float(ends[-1] - begun) if len(ends) else 0.0
         later = positions[times > begun]
         way = float(np.abs(later - later[0]).max()) if len(later) else 0.0
-        bound, within = self._bound(), self._kind.within
-        within = bound.death if within is None else within + max(0.0, bound.fault - STILL)
+        soon = True
         if self._kind.before:
-            passed = "is not ready" in said and not len(after)
+            held = "is not ready" in said and not len(after)
         else:
             # Between two episodes, the next one does not begin.
-            held = "is held" in said or "is not ready" in said
-            held |= self._name in _ENDED
-            soon = elapsed <= within or way <= self._kind.way
-            passed = moving and held and soon
-        if self._kind.harmless and not (self._name == "loss" and held and soon):
-            passed = code == (0 if self._name == "no fault" else 130)
+            held = "is held" in said or "is not ready" in said or self._name in _ENDED
+            held = held and moving
+            soon = elapsed <= self._within() or way <= self._kind.way
+        if self._kind.harmless and not (self._name == "loss" and held):
+            held, soon = code == (0 if self._name == "no fault" else 130), True
         if self._name in _INTERRUPTED:
-            passed = passed and code == 130 and any((self._folder / "out").rglob("*.npz"))
-        passed = passed and any(cause in said for cause in self._kind.cause.split("|"))
+            held = held and code == 130 and any((self._folder / "out").rglob("*.npz"))
+        held = held and any(cause in said for cause in self._kind.cause.split("|"))
         violations = self._violations(sent)
-        return self._row(
-            moving, elapsed, way, len(after), violations, said, passed and not violations
-        )
+        held = held and not violations
+        return self._row(moving, elapsed, way, len(after), violations, said, held, held and soon)
 
     def _row(
         self, moving: bool, elapsed: float, way: float, commands: int, violations: int, said: str,
-        passed: bool,
+        held: bool, passed: bool,
     ) -> Outcome:  # fmt: skip
         cause = said.splitlines()[-1][-300:] if said else ""
         return Outcome(
             self._name, self._rate, self._seed, moving, round(elapsed, 4), round(way, 3), commands,
-            violations, cause, passed, self._node, round(os.getloadavg()[0], 1),
+            violations, cause, passed, held, round(self._bound(), 4), self._node,
+            round(os.getloadavg()[0], 1),
         )  # fmt: skip
 
     def _violations(self, sent: Floats) -> int:
@@ -489,12 +491,20 @@ class Trial:
 
         return read_robot(self._folder / "robots" / "sixaxis.yaml")
 
-    def _bound(self) -> StoppingTime:
+    def _within(self) -> float:
+        """Return the longest time until the arm is still or the program holds, s."""
+        within = self._kind.within
+        return min(STILL, self._bound()) if within is None else within
+
+    def _bound(self) -> float:
+        """Return the time that the document states, s."""
         from cbdsl.robot.stopping_time import stopping_time
         from cbdsl.robot.urdf_reader import read_urdf
 
         document, urdf = self._documents()
-        return stopping_time(document, read_urdf(urdf), "arm")
+        stated = stopping_time(document, read_urdf(urdf), "arm")
+        ended = self._name.startswith(("killed", "suspended"))
+        return stated.death if ended else stated.fault
 
 
 def _awaits(process: subprocess.Popen[str], word: str, other: subprocess.Popen[str]) -> bool:
@@ -509,16 +519,17 @@ def _awaits(process: subprocess.Popen[str], word: str, other: subprocess.Popen[s
 
 
 def summary(lines: list[str]) -> str:
-    """Return a table of outcomes: passed trials with exact intervals, and the longest times."""
+    """Return a table of outcomes: trials that held in time, later and not, and their times."""
     from cbdsl.numeric.proportion import exact_interval
 
     outcomes = [Outcome(**json.loads(line)) for line in lines]
-    heads = "fault", "node", "rate, Hz", "load", "passed", "95 % interval", "median, ms"
-    rows = [f"| {' | '.join(heads)} | longest, ms |", "| --- " * (len(heads) + 1) + "|"]
+    heads = ("fault", "node", "rate, Hz", "load", "in time", "95 % interval", "later", "not held")
+    heads += ("median, ms", "longest, ms", "document, ms")
+    rows = [f"| {' | '.join(heads)} |", "| --- " * len(heads) + "|"]
     trial = lambda each: (each.kind, each.node, each.rate, each.load >= _BUSY)  # noqa: E731
     for name, node, rate, is_busy in sorted(set(map(trial, outcomes))):
         trials = [each for each in outcomes if trial(each) == (name, node, rate, is_busy)]
-        passed = sum(each.passed for each in trials)
+        passed, held = (sum(getattr(each, a) for each in trials) for a in ("passed", "held"))
         low, high = exact_interval(passed, len(trials))
         times = [1e3 * each.time for each in trials]
         is_timed = not KINDS[name].before and np.isfinite(times).all()
@@ -526,7 +537,8 @@ def summary(lines: list[str]) -> str:
         interval = f"{100 * low:.1f} to {100 * high:.1f} %"
         rows.append(
             f"| {name} | {node} | {rate:g} | {'busy' if is_busy else 'quiet'} "
-            f"| {passed} of {len(trials)} | {interval} | {shown} |"
+            f"| {passed} of {len(trials)} | {interval} | {held - passed} | {len(trials) - held} "
+            f"| {shown} | {1e3 * trials[0].bound:.0f} |"
         )
     return "\n".join(rows)
 
