@@ -76,7 +76,8 @@ def reaching(urdf: Path, backend: str, episodes: int) -> dict[str, Any]:
 
 def why(world: Any, request: Any, seed: int) -> str:
     """Return why an episode is wrong; empty if it is right."""
-    arm, seen = request.program.parameters["arm"], {}
+    arm = request.program.parameters["arm"]
+    seen: dict[str, Any] = {}
 
     def note(tick: Any) -> None:
         name = next((n for n in world.truth.objects if n in request.stage.things), None)
@@ -90,7 +91,7 @@ def why(world: Any, request: Any, seed: int) -> str:
     if "object" not in seen:
         return "no object"
     if not result.ending.startswith("Done"):
-        return result.ending.split(": ")[-1]
+        return str(result.ending).split(": ")[-1]
     off = float(np.linalg.norm(seen["tip"] - seen["object"]))
     most = seen["size"] + float(request.robot.effectors[arm].values["gap"].split()[0]) / 100 + NEAR
     if off > most:
