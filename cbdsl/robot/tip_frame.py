@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -83,14 +84,17 @@ def tip_offset(model: UrdfModel, joint: UrdfJoint, link: str) -> Numbers:
 
 def shape_centre(model: UrdfModel, link: str) -> Numbers:
     """Return the centre of the box around a link's collision shapes, in its frame, m."""
-    boxes = [box for box in (_box(model, each) for each in model.bodies[link].collisions) if box]
-    if not boxes:
+    corners = shape_corners(model, link)
+    if not corners:
         return (0.0, 0.0, 0.0)
-    x, y, z = (
-        (min(box[axis][0] for box in boxes) + max(box[axis][1] for box in boxes)) / 2
-        for axis in range(3)
-    )
+    x, y, z = ((min(values) + max(values)) / 2 for values in zip(*corners, strict=True))
     return x, y, z
+
+
+def shape_corners(model: UrdfModel, link: str) -> list[Numbers]:
+    """Return the corners of boxes around a link's collision shapes, in its frame, m."""
+    boxes = (_box(model, each) for each in model.bodies[link].collisions)
+    return [corner for box in boxes if box for corner in itertools.product(*box)]
 
 
 _Box = list[tuple[float, float]]

@@ -23,13 +23,16 @@ from pathlib import Path
 from textwrap import TextWrapper
 from typing import NamedTuple
 
+import numpy as np
+
 from cbdsl.diagnostics.counting import count, some
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.legible_text import legible, seen
+from cbdsl.kinematics.joint_tree import JointTree
 from cbdsl.kinematics.ready_posture import PLACING, ReadyPosture, at_first
 from cbdsl.robot.chains import Chain, chains, root
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
-from cbdsl.robot.tip_frame import is_acting, tip_offset
+from cbdsl.robot.tip_frame import is_acting, shape_corners, tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints
 from cbdsl.robot.urdf import Mimic, Numbers, UrdfError, UrdfJoint, UrdfModel
 from cbdsl.scaffold.hand import DAMPING, FORCE, STIFFNESS, ProposedHand
@@ -246,11 +249,35 @@ def _values(
     if effector.tip is None or len(effector.joints) < PLACING:
         return []
     length = ReadyPosture(model, effector.joints, effector.tip, offset).length
-    near, far = (f"{100 * part * length:.2g} cm" for part in _BEFORE)
+    beyond = _beyond_tip(model, effector, offset)
+    near, far = (f"{100 * (part * length + beyond):.2g} cm" for part in _BEFORE)
     return [
         "  # Distance of the tip from the surface of what it reaches for, and its bounds.",
         f"  values: {{gap: {near}, nearest: {near}, farthest: {far}}}",
     ]
+
+
+def _beyond_tip(model: UrdfModel, arm: SemanticGroup, offset: Numbers) -> float:
+    """Return the extent of a hand beyond the tip that a program brings to objects, m.
+
+    Programs stand off along the tip's z axis. The hand may extend along it, beyond a flange, or
+    along another axis, with half of its width along z.
+    """
+    assert arm.tip is not None
+    carried = arm.joints[-1].child
+    links = [carried, *(joint.child for joint in model.beyond(carried))]
+    frames = JointTree(joint for root in model.roots for joint in model.beyond(root))
+    placed = frames.place(model.rests)
+    tip = placed[arm.tip].child
+    try:
+        heights = [
+            tip.rotation[:, 2] @ (at.position + at.rotation @ np.array(corner) - tip.position)
+            for at, link in ((placed[link].child, link) for link in links)
+            for corner in shape_corners(model, link)
+        ]
+    except UrdfError:
+        return 0.0  # the document gets a diagnostic for it
+    return max(0.0, float(max(heights, default=0.0)) - offset[2])
 
 
 def _effector(
