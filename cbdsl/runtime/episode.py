@@ -350,6 +350,7 @@ class Runner:
     def _advance(self, observation: Observation, seed: int, *, first: bool) -> None:
         """Process an observation, and compute the next reference and predicates."""
         try:
+            self.signals.is_awaited = self._backend.deadline is None
             self.signals.update(observation)
             if first:
                 # In a continued world the references go on, too. Under load they differ from the

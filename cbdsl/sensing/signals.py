@@ -64,12 +64,14 @@ class Signals:
             them.
         clock: Count of the postures, shape (1,).
         time: Time of the newest observation, s.
+        is_awaited: True if the world waits for the tick, as simulations do; see
+            ``Backend.deadline``.
     """
 
     def __init__(
         self, robot: RobotDocument, kinematics: Kinematics, resources: Iterable[Resource]
     ) -> None:
-        self.robot = robot
+        self.robot, self.is_awaited = robot, True
         self.kinematics = kinematics
         self.joints = kinematics.joints
         self.positions = kinematics.positions

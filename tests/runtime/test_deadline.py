@@ -89,6 +89,18 @@ def test_ticks_in_time_and_a_late_last_one_do_not_matter(
     assert runner(again).run(absent, 0).ending == result.ending
 
 
+@pytest.mark.parametrize("deadline", [None, 0.02])
+def test_signals_know_whether_the_world_waits(
+    runner: Make, absent: StageDocument, dexter: RobotDocument, urdf: Path, deadline: float | None
+) -> None:
+    backend = TimedBackend(dexter, urdf, slow=-1, taken=0.0)
+    backend.deadline = deadline  # type: ignore[assignment]
+    seen: set[bool] = set()
+    note = EpisodeListeners(on_tick=lambda tick: seen.add(tick.signals.is_awaited))
+    runner(backend).run(absent, 0, observer=note)
+    assert seen == {deadline is None}
+
+
 def _interrupt(tick: Tick) -> None:
     if tick.observation.time > 0.1:
         raise KeyboardInterrupt

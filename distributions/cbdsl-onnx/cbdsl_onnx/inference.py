@@ -61,7 +61,7 @@ class Inference:
         output is therefore late by the time of its own computation, and is waited for until then.
 
         Args:
-            deadline: Longest computation of an output, s.
+            deadline: Longest computation of an output, s; 0 never waits.
         """
         request, self._request = self._request, None
         if request is None:

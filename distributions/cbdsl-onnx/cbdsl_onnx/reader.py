@@ -81,7 +81,9 @@ class NetworkReader:
         return None if target is None else Reading(target, None, self._tick)
 
     def _receive(self, due: float) -> None:
-        plan, output = self._plan.output, self._inference.receive(self._plan.deadline)
+        # A robot does not wait: its deadline has passed by the time of the clock, too.
+        patience = self._plan.deadline if self._signals.is_awaited else 0.0
+        plan, output = self._plan.output, self._inference.receive(patience)
         self._due, self._anchor, self._is_first = None, (-1, None), False
         if output is None:
             self._chunk = None

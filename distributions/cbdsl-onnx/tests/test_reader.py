@@ -44,6 +44,7 @@ class World:
     """Signals of one position, which the test moves."""
 
     time: float = 0.0
+    is_awaited: bool = True
     clock: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     place: NDArray[np.float64] | None = field(default_factory=lambda: np.zeros(3))
 
@@ -186,6 +187,18 @@ def test_inference_in_time_gives_its_output() -> None:
     inference.request({})
     output = inference.receive(5.0)
     assert output is not None and output.tolist() == [[1.0, 1.0, 1.0]]
+
+
+def test_reader_of_a_robot_in_real_time_never_waits_for_an_output() -> None:
+    world, inference = World(is_awaited=False), _inference(Slow(30.0))
+    read = NetworkReader(plan(deadline=5.0, period=10.0), world, inference)  # type: ignore[arg-type]
+    begun, defined = time.monotonic(), []
+    for number in range(3):
+        world.at(number, 4.0)
+        defined.append(read() is not None)
+    assert time.monotonic() - begun < 2.0
+    assert defined == [True, True, False]  # it is due at 5 s
+    inference._thread.shutdown()
 
 
 def test_reader_of_an_idle_controller_forgets_its_chunk() -> None:
