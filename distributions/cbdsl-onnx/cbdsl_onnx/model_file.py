@@ -24,9 +24,9 @@ TYPES = {"tensor(float)": "float32", "tensor(double)": "float64", "tensor(float1
 _DRY_RUN = 10.0
 #: Most numbers of an input.
 _MOST_NUMBERS = 10_000_000
-_MODEL_GRAPH, _MODEL_OPSETS, _MODEL_FUNCTIONS = 7, 8, 25
+_MODEL_GRAPH, _MODEL_FUNCTIONS = 7, 25
 _GRAPH_NODE, _GRAPH_TENSOR, _GRAPH_SPARSE = 1, 5, 15
-_NODE_ATTRIBUTE, _FUNCTION_NODE = 5, 7
+_NODE_ATTRIBUTE, _FUNCTION_NODE, _FUNCTION_ATTRIBUTE = 5, 7, 11
 _ATTRIBUTE_TENSORS, _ATTRIBUTE_GRAPHS, _ATTRIBUTE_SPARSE = (5, 10), (6, 11), (22, 23)
 # Data types of tensors that hold floats, with the field of unpacked numbers and its type.
 _UNPACKED = {1: (4, "<f4"), 11: (10, "<f8")}
@@ -160,32 +160,43 @@ def _tensors(model: memoryview) -> Iterator[memoryview]:
     for function in parts(model, _MODEL_FUNCTIONS):
         for node in parts(function, _FUNCTION_NODE):
             yield from _of_node(node)
+        for attribute in parts(function, _FUNCTION_ATTRIBUTE):
+            yield from _of_attribute(attribute)
 
 
 def _of_graph(graph: memoryview) -> Iterator[memoryview]:
     yield from parts(graph, _GRAPH_TENSOR)
     for sparse in parts(graph, _GRAPH_SPARSE):
-        yield from parts(sparse, 1)
-        yield from parts(sparse, 2)
+        yield from _of_sparse(sparse)
     for node in parts(graph, _GRAPH_NODE):
         yield from _of_node(node)
 
 
 def _of_node(node: memoryview) -> Iterator[memoryview]:
     for attribute in parts(node, _NODE_ATTRIBUTE):
-        for number, value in fields(attribute):
-            if not isinstance(value, memoryview):
-                continue
-            if number in _ATTRIBUTE_TENSORS:
-                yield value
-            elif number in _ATTRIBUTE_GRAPHS:
-                yield from _of_graph(value)
-            elif number in _ATTRIBUTE_SPARSE:
-                yield from parts(value, 1)
+        yield from _of_attribute(attribute)
+
+
+def _of_attribute(attribute: memoryview) -> Iterator[memoryview]:
+    for number, value in fields(attribute):
+        if not isinstance(value, memoryview):
+            continue
+        if number in _ATTRIBUTE_TENSORS:
+            yield value
+        elif number in _ATTRIBUTE_GRAPHS:
+            yield from _of_graph(value)
+        elif number in _ATTRIBUTE_SPARSE:
+            yield from _of_sparse(value)
+
+
+def _of_sparse(sparse: memoryview) -> Iterator[memoryview]:
+    """Yield the values and the indices of a sparse tensor."""
+    yield from parts(sparse, 1)
+    yield from parts(sparse, 2)
 
 
 def _require_sound(tensor: memoryview) -> None:
-    kind, raw, name, unpacked = 0, memoryview(b""), "", []
+    raw, name, unpacked = memoryview(b""), "", []
     values = list(fields(tensor))
     kind = next((v for n, v in values if n == 2 and isinstance(v, int)), 0)
     number, dtype = _UNPACKED.get(kind, (-1, "<f4"))

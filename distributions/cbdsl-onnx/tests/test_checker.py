@@ -41,7 +41,25 @@ def of_shape(*shape: int) -> bytes:
     return wire.model([wire.node("Identity", ("x",), "y")], [], *ends)
 
 
+_PLACE = wire.message((1, "location"), (2, "../../secret.bin"))
+_OUTSIDE = wire.message((1, 3), (2, 7), (8, "i"), (13, _PLACE), (14, 1))
+
+
+def of_outside_indices() -> bytes:
+    attribute = wire.message((1, "sparse_value"), (22, wire.message((2, _OUTSIDE))))
+    node = wire.node("Identity", ("x",), "y") + wire.message((5, attribute))
+    ends = [[wire.value_info(name, (1, 3))] for name in "xy"]
+    return wire.model([node], [], *ends)
+
+
+def of_outside_default() -> bytes:
+    attribute = wire.message((1, "weights"), (5, _OUTSIDE))
+    return MODEL + wire.message((25, wire.message((1, "f"), (11, attribute))))
+
+
 FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {
+    "indices in another file": ("NET102", of_outside_indices(), {}),
+    "default in another file": ("NET102", of_outside_default(), {}),
     "opset of the future": ("NET103", examples.scaled(1, 1, 1, opset=99), {}),
     "shapes that do not match": ("NET103", of_two_sizes(), {}),
     "type of whole numbers": ("NET105", of_whole_numbers(), {}),
