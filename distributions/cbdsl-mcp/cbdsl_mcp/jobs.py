@@ -12,11 +12,12 @@ from typing import Any
 
 from mcp.server.mcpserver.exceptions import ToolError
 
-# Number of lines that a report of a job holds, and of its characters in total.
-_LINES, _CHARACTERS = 200, 20_000
+# Number of bytes of its output that a report of a job holds.
+_BYTES = 60_000
 # Time for a job to end after an interrupt, s.
 _PATIENCE = 10.0
-_COMMAND = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
+# With -P, Python imports nothing from the folder, whose files may be a client's.
+_COMMAND = (sys.executable, "-P", "-c", "from cbdsl.cli.main import main; main()")
 
 
 class Job:
@@ -34,7 +35,7 @@ class Job:
     def __init__(self, words: Sequence[str], process: Process) -> None:
         self.words, self._process = tuple(words), process
         self.is_cancelled = False
-        self._lines: list[str] = []
+        self._output = bytearray()
         self._dropped = 0
         self._reader = asyncio.create_task(self._read())
 
@@ -53,12 +54,12 @@ class Job:
 
     async def _read(self) -> None:
         assert self._process.stdout is not None
-        while line := await self._process.stdout.readline():
-            self._lines.append(line.decode("utf-8", errors="replace").rstrip("\n"))
+        while part := await self._process.stdout.read(_BYTES):
+            self._output += part
             # The end of a long output is worth more than its beginning.
-            if len(self._lines) > _LINES:
-                del self._lines[0]
-                self._dropped += 1
+            beyond = max(len(self._output) - _BYTES, 0)
+            self._dropped += beyond
+            del self._output[:beyond]
         await self._process.wait()
 
     async def wait(self, seconds: float) -> None:
@@ -78,15 +79,14 @@ class Job:
 
     @property
     def report(self) -> dict[str, Any]:
-        """State, exit code and last lines of the output."""
+        """State, exit code and end of the output."""
         state = "done" if self._reader.done() else "running"
-        text = "\n".join(self._lines)
         return {
             "command": "cb " + " ".join(self.words),
             "state": "cancelled" if self.is_cancelled and state == "done" else state,
             "exit_code": self._process.returncode,
-            "output": text[-_CHARACTERS:],
-            "dropped_lines": self._dropped,
+            "output": self._output.decode("utf-8", errors="replace").rstrip("\n"),
+            "dropped_bytes": self._dropped,
         }
 
 

@@ -26,7 +26,9 @@ episode that did not succeed.
 _QUICK = 120.0
 
 Report = dict[str, Any]
-Names = Literal["types", "potentials", "resources", "program", "stage", "knowledge", "learners"]
+Subject = Literal[
+    "types", "potentials", "learners", "knowledge", "resources", "program", "policy", "catalog"
+]
 
 
 class Permission(BaseModel):
@@ -63,7 +65,9 @@ def permit(
         )
     file = folder / within("program", program, folder)
     try:
-        robot = cbdsl.load(str(file) if file.is_file() else program, values=parameters).robot.name
+        # The command finds names from the folder, and not from where the server was started.
+        word = file if file.is_file() else program
+        robot = cbdsl.load(word, values=parameters, folder=folder).robot.name
     except (cbdsl.DiagnosticsError, cbdsl.UsageError) as error:
         raise ToolError(f"{program}: {error}") from error
     if robot != hardware:
@@ -108,9 +112,12 @@ def _add_documents(server: MCPServer, folder: Path) -> None:
         return await command("list", plain("kind", kind), "--json")
 
     @server.tool()
-    async def show(what: Names, name: str = "") -> Report:
-        """Show types, potentials, resources of a robot, a program, a stage or knowledge."""
-        return await command("show", what, *([within("name", name, folder)] if name else []))
+    async def show(what: Subject, name: str = "") -> Report:
+        """Show types, potentials, learners or knowledge; or, by name, resources of a robot, etc."""
+        if not name:
+            return await command("show", what)
+        word = within("name", name, folder)
+        return await command("show", what, f"--robot={word}" if what == "resources" else word)
 
     @server.tool()
     async def validate(document: str) -> Report:

@@ -37,11 +37,9 @@ def within(name: str, value: str, folder: Path) -> str:
 def options(given: Mapping[str, object]) -> Iterator[str]:
     """Yield the options of a command; those without a value are left out."""
     for name, value in given.items():
-        option = "--" + name.rstrip("_").replace("_", "-")
         if value is True:
-            yield option
+            yield f"--{name}"
         elif isinstance(value, Mapping):
-            for key, each in value.items():
-                yield from (option, f"{plain(name, str(key))}={each}")
-        elif value not in (None, False):
-            yield f"{option}={value}"
+            yield from (f"--{name}={key}={each}" for key, each in value.items())
+        elif value is not None and value is not False:
+            yield f"--{name}={value}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,11 +16,13 @@ from typing import Any
 import pytest
 
 from tests.cli.arm_program import TEXT
+from tests.conftest import ROOT
 
 mcp = pytest.importorskip("mcp", reason="the extra mcp is not installed")
 ToolError = pytest.importorskip("mcp.server.mcpserver.exceptions").ToolError
+Jobs = pytest.importorskip("cbdsl_mcp.jobs").Jobs
 make_server = pytest.importorskip("cbdsl_mcp.server").make_server
-within = pytest.importorskip("cbdsl_mcp.words").within
+words = pytest.importorskip("cbdsl_mcp.words")
 
 TOOLS = {
     "list", "show", "validate", "explain", "fix", "run", "why", "compare", "learn", "explore",
@@ -93,6 +96,66 @@ def test_server_checks_explains_and_corrects_a_document(folder: Path) -> None:
     served(folder, do)
 
 
+def test_server_lists_and_shows_whole_documents(folder: Path) -> None:
+    async def do(client: Any) -> None:
+        listed = await call(client, "list", kind="programs")
+        assert len(json.loads(listed["output"])) > 30
+        for what, name, part in (
+            ("program", "raise_arm.yaml", "condition ◁ reach"),
+            ("resources", "sixaxis", "arm.position"),
+            ("knowledge", "", ""),
+        ):
+            shown = await call(client, "show", what=what, name=name)
+            assert shown["exit_code"] == 0, shown
+            assert part in shown["output"]
+
+    served(folder, do)
+
+
+def test_report_of_a_long_output_has_its_end(folder: Path) -> None:
+    async def do(client: Any) -> None:
+        report = await call(client, "show", what="program", name="fetch")
+        assert report["dropped_bytes"] > 0
+        assert len(report["output"].encode()) + report["dropped_bytes"] > 100_000
+        assert not report["output"].startswith("fetch")
+
+    served(folder, do)
+
+
+def test_server_explains_and_compares_episodes(folder: Path) -> None:
+    async def ended(client: Any, tool: str, **given: Any) -> Any:
+        started = await call(client, tool, **given)
+        report = await call(client, "job", number=started["job"], wait=60)
+        assert report["exit_code"] == 0, report
+        return json.loads(report["output"].splitlines()[-1])
+
+    async def do(client: Any) -> None:
+        far = await ended(client, "why", what="reach", stage="out_of_reach", seed=1)
+        assert (far["seed"], far["cause"]["kind"]) == (1, "out_of_reach")
+        near = await ended(client, "why", what="raise_arm.yaml")
+        assert (near["seed"], near["failed"]) == (0, False)
+        names = {"first": "raise_arm.yaml", "second": "raise_arm.yaml"}
+        rates = await ended(client, "compare", seeds="0-1", **names)
+        assert rates["successes"] == [1, 1]
+
+    served(folder, do)
+
+
+def test_server_imports_nothing_from_its_folder(folder: Path) -> None:
+    (folder / "typer.py").write_text("raise SystemExit('imported')", "utf-8")
+
+    async def do(client: Any) -> None:
+        report = await call(client, "validate", document="raise_arm.yaml")
+        assert report["exit_code"] == 0, report
+
+    served(folder, do)
+
+
+def test_options_of_zero_are_given() -> None:
+    given = {"seed": 0, "with": {"arm": "left"}, "json": True, "try": False, "record": None}
+    assert list(words.options(given)) == ["--seed=0", "--with=arm=left", "--json"]
+
+
 def test_server_runs_a_job_and_cancels_another(folder: Path) -> None:
     async def do(client: Any) -> None:
         started = await call(client, "run", program="raise_arm.yaml", seed=3)
@@ -135,7 +198,7 @@ def test_folder_is_not_left_by_a_link(
 ) -> None:
     (folder / "way_out").symlink_to(tmp_path_factory.mktemp("elsewhere"))
     with pytest.raises(ToolError, match="is outside of"):
-        within("document", "way_out/program.yaml", folder)
+        words.within("document", "way_out/program.yaml", folder)
 
 
 @pytest.mark.parametrize(
@@ -162,6 +225,94 @@ def test_real_robot_does_not_move_without_a_person(
         assert len(questions) == (hardware == "sixaxis")
 
     served(folder, do, hardware=hardware, answer=answer)
+
+
+@pytest.fixture
+def commands(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
+    """Return the programs that the server would start, which all end immediately."""
+    begin, started = asyncio.create_subprocess_exec, list[tuple[str, ...]]()
+
+    async def note(*words: str, **given: Any) -> Any:
+        started.append(words)
+        return await begin(sys.executable, "-c", "", **given)
+
+    monkeypatch.setattr(asyncio, "create_subprocess_exec", note)
+    return started
+
+
+def test_tools_run_commands_of_cb_alone(folder: Path, commands: list[tuple[str, ...]]) -> None:
+    file = "raise_arm.yaml"
+    calls: dict[str, dict[str, Any]] = {
+        "list": {}, "show": {"what": "types"}, "validate": {"document": file},
+        "run": {"program": file},
+        "explain": {"code": "CB504"}, "fix": {"document": file}, "why": {"what": file},
+        "compare": {"first": file, "second": file}, "learn": {"program": file, "out": "o.yaml"},
+        "explore": {"programs": [file], "stage": "s", "feature": "red", "out": "o.yaml"},
+    }  # fmt: skip
+
+    async def do(client: Any) -> None:
+        for tool, given in calls.items():
+            await call(client, tool, **given)
+
+    served(folder, do)
+    assert calls.keys() == TOOLS - {"job", "cancel"}
+    assert {words[:4] for words in commands} == {
+        (sys.executable, "-P", "-c", "from cbdsl.cli.main import main; main()")
+    }
+    assert [words[4] for words in commands] == [
+        "validate" if tool == "fix" else tool for tool in calls
+    ]
+
+
+def test_yes_of_a_client_starts_the_run(folder: Path, commands: list[tuple[str, ...]]) -> None:
+    async def answer(*_: Any) -> Any:
+        return mcp.types.ElicitResult(action="accept", content={"may_move": True})
+
+    async def do(client: Any) -> None:
+        await call(client, "run", program="raise_arm.yaml", backend="ros2")
+
+    served(folder, do, hardware="sixaxis", answer=answer)
+    assert "--yes" in commands[0]
+
+
+def test_client_that_cannot_ask_a_person_is_refused(
+    folder: Path, commands: list[tuple[str, ...]]
+) -> None:
+    async def do(client: Any) -> None:
+        given = {"program": "raise_arm.yaml", "backend": "ros2"}
+        with pytest.raises(mcp.MCPError, match="licitation"):
+            await client.call_tool("run", given)
+
+    served(folder, do, hardware="sixaxis")
+    assert not commands
+
+
+def test_server_bounds_the_number_of_jobs(folder: Path) -> None:
+    async def do() -> None:
+        jobs = Jobs(folder, most=1)
+        await jobs.start(("list",))
+        with pytest.raises(ToolError, match="1 jobs run already"):
+            await jobs.start(("list",))
+        await jobs.close()
+        assert jobs.job(1).report["state"] == "cancelled"
+
+    asyncio.run(do())
+
+
+def test_page_names_all_tools() -> None:
+    page = (ROOT / "docs" / "how_to" / "serve_a_client_of_mcp.md").read_text("utf-8")
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    assert set(re.findall(r"`(\w+)`", "".join(rows))) == TOOLS
+
+
+def test_robot_of_a_name_is_that_of_the_folder(folder: Path) -> None:
+    (folder / "searchtrack.yaml").write_text(TEXT.replace("raise_arm", "searchtrack"), "utf-8")
+
+    async def do(client: Any) -> None:
+        message = await refused(client, "run", program="searchtrack", backend="ros2")
+        assert "searchtrack is for sixaxis" in message
+
+    served(folder, do, hardware="dexter")
 
 
 CLIENT = """
