@@ -73,7 +73,7 @@ PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
 #: Commands that move a robot, or show how one moved.
 LONG = {"run", "replay", "learn", "reproduce", "judge", "explore"}
 #: Commands that take hours as the docs name them; they have tests of their own.
-ENDLESS = {"learn", "lsp", "playground", "reproduce", "judge"}
+ENDLESS = {"learn", "lsp", "mcp", "playground", "reproduce", "judge"}
 #: Options for a number of repetitions; a command with many of them is a measurement.
 COUNTS = {"--episodes", "--actions", "--scenes", "--trials"}
 OFTEN = 50

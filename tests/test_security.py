@@ -31,6 +31,7 @@ _SIZES = "test_reader_sizes.py:"
 _SERVER = "reporting/live/test_page_server.py:"
 _GUARD = "../distributions/cbdsl-ros2/tests/test_guard.py:"
 _WATCHDOG = "../distributions/cbdsl-drive/tests/test_watchdog.py:"
+_MCP = "../distributions/cbdsl-mcp/tests/test_server.py:"
 _WORKERS = "training/workers/test_local_workers.py:"
 _BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
 _HERE = "test_security.py:"
@@ -207,6 +208,24 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_WORKERS}test_learn_with_workers_imports_nothing_from_the_current_folder",
     ),
     "They end with the command.": (f"{_WORKERS}test_an_interrupt_while_workers_begin_is_one_line",),
+    "Tools of `cb mcp` run `list`, `show`, `validate`, `explain`, `run`, `why`, `compare`, `learn` "
+    "and `explore`, and no other program.": (f"{_MCP}test_tools_run_commands_of_cb_alone",),
+    "Files that a client names are in the folder of `--folder`, also behind links.": (
+        f"{_MCP}test_server_refuses_arguments_beyond_its_folder_and_simulators",
+        f"{_MCP}test_folder_is_not_left_by_a_link",
+    ),
+    "No module of the folder is imported.": (f"{_MCP}test_server_imports_nothing_from_its_folder",),
+    "Only simulators run.": (
+        f"{_MCP}test_server_refuses_arguments_beyond_its_folder_and_simulators",
+    ),
+    "With `--allow-hardware`, programs for that robot also run on a real one, after a yes of the "
+    "person at the client to each run.": (
+        f"{_MCP}test_real_robot_does_not_move_without_a_person",
+        f"{_MCP}test_robot_of_a_name_is_that_of_the_folder",
+    ),
+    "The client passes the question on, so that a client that is not trusted can answer it.": (
+        f"{_MCP}test_yes_of_a_client_starts_the_run",
+    ),
     "A dead or silent button of `stop` holds a robot after `stop_deadline`.": (
         "../distributions/cbdsl-drive/tests/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
         "../distributions/cbdsl-drive/tests/test_stop_watch.py:test_stop_watch_finds_a_button_that_ends",
@@ -537,6 +556,6 @@ def test_dependencies_have_upper_bounds() -> None:
     for plugin in sorted((ROOT / "distributions").glob("*/pyproject.toml")):
         names += tomllib.loads(plugin.read_text("utf-8"))["project"]["dependencies"]
     # Distributions of this repository have its version.
-    others = [name for name in names if not name.startswith(("cbdsl[", "cbdsl-"))]
+    others = [name for name in names if not re.match(r"cbdsl(?![\w.])", name)]
     open_ended = [name for name in others if "<" not in name]
     assert not [name for name in open_ended if not re.search("==", name)]
