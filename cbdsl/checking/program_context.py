@@ -71,7 +71,7 @@ class ProgramContext:
         self.programs = loaded.source.declared(loaded.document.use, "use")
         self.used: set[str] = set()
         robot, known = loaded.document.robot, {} if isinstance(body, Unknown) else body.resources
-        self._missing = MissingResources(robot, known, loaded.source, diagnostics)
+        self._missing = MissingResources(robot, known, scope, loaded.source, diagnostics)
         self._is_unknown = is_unknown
         self.sound = sound
 
@@ -112,13 +112,13 @@ class ProgramContext:
         """Return the place of a span of a composition."""
         return self.source.inside(steps, span.start, span.end)
 
-    def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> Outcome[str]:
+    def substitute(self, text: str, steps: Steps, offset: int = 0) -> Outcome[str]:
         """Return a text at a path with its parameters replaced."""
-        return scope.substitute(text, self.source, steps, self.diagnostics, offset)
+        return self.scope.substitute(text, self.source, steps, self.diagnostics, offset)
 
-    def resource(self, text: str, steps: Steps, scope: Scope) -> Outcome[Resource]:
+    def resource(self, text: str, steps: Steps) -> Outcome[Resource]:
         """Return the resource that a text at a path names."""
-        name = self.substitute(text, steps, scope)
+        name = self.substitute(text, steps)
         if isinstance(name, Unknown):
             return UNKNOWN
         resource = self.body.resources.get(name)
@@ -132,7 +132,7 @@ class ProgramContext:
             return self._mark(name, mark, steps)
         instance = parse_instance(name, self.body.resources)
         if instance is None or not is_meant_as_instance(instance.instance):
-            self._missing.report(text, name, steps, scope)
+            self._missing.report(text, name, steps)
             return UNKNOWN
         return self._instance(name, instance, steps)
 

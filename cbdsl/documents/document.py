@@ -142,6 +142,8 @@ class Section(BaseModel):
 
     renamed: ClassVar[Mapping[str, str]] = {}
     """Current names of the keys of older documents."""
+    moved: ClassVar[Mapping[str, str]] = {}
+    """Advice for keys of older documents that have no current name."""
 
 
 class Document(Section):

@@ -158,9 +158,11 @@ class ControllerSection(Section):
     """Typed triple c(phi, sigma, tau)."""
 
     renamed: ClassVar[Mapping[str, str]] = {"given": "requires"}
+    moved: ClassVar[Mapping[str, str]] = {
+        "parameters": "shared documents have controllers with parameters; declare it in one, as "
+        "`reach(arm): {...}`, and name it below 'shared'"
+    }
 
-    parameters: tuple[Name, ...] = ()
-    """Names that a call such as ``reach(sat_10, right_arm)`` binds, in order."""
     potential: Name
     """Artificial potential phi."""
     feedback: Text

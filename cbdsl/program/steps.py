@@ -87,7 +87,6 @@ def kind_of_member(name: str, document: ProgramDocument) -> str:
     """Return the kind of a member: a condition, a program or a controller."""
     if name in document.conditions and name not in {**document.controllers, **document.use}:
         return "condition"
-    name = name.split("(")[0]
     return "program" if name in document.use and name not in document.controllers else "controller"
 
 
@@ -95,7 +94,7 @@ def may_be_stuck(name: str, document: ProgramDocument) -> bool:
     """Return whether a controller may be at rest beyond the tolerance of its arrival."""
     seen: set[str] = set()
     known = document.controllers
-    while isinstance(section := known.get(name, known.get(name.split("(")[0])), str):
+    while isinstance(section := known.get(name), str):
         if name in seen:
             return True
         seen.add(name)

@@ -131,7 +131,7 @@ def _check_calls(
         if called is None or called.section != "controllers":
             names = [name for name, each in part.siblings.items() if each.section == part.section]
             faults.add("CB404", place, names=names, name=term.name)
-        elif not _agrees(term, called, place, faults):
+        elif not agrees(term, called.parameters, place, faults):
             continue
         elif term.name == chain[0]:
             if term.name != min(chain):  # reported there
@@ -142,9 +142,9 @@ def _check_calls(
             _check_calls(called, (*chain, term.name), loaded, faults)
 
 
-def _agrees(call: Term, part: SharedPart, place: Place, faults: Diagnostics) -> bool:
+def agrees(call: Term, wanted: tuple[str, ...], place: Place, faults: Diagnostics) -> bool:
     """Return whether a call has one argument for each parameter; report it otherwise."""
-    given, wanted = len(call.arguments), part.parameters
+    given = len(call.arguments)
     if given == len(wanted):
         return True
     names = f" ({', '.join(wanted)})" if wanted else ""
@@ -328,7 +328,7 @@ class _TakingUp:
     def _take_up(self, part: SharedPart, call: Term, place: Place, name: str) -> None:
         if name in self._nodes[part.section]:
             return
-        if not _agrees(call, part, place, self._faults):
+        if not agrees(call, part.parameters, place, self._faults):
             self._leave_out(name, call)
             return
         node = self._nodes[part.section][name] = part.filled(call, place)

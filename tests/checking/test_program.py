@@ -34,16 +34,15 @@ def test_composites_are_one_primitive_with_the_last_controller_leading(tmp_path:
 def test_once_of_seek_names_a_call_as_actions_do(tmp_path: Path) -> None:
     path = write(
         tmp_path,
+        "shared: {looking: [watch]}\n"
         "controllers:\n"
-        "  reach: {parameters: [feature], potential: spring, reference: stereo.$feature, "
-        "feedback: right_arm.position, effector: right_arm.position}\n"
         "  touch: {potential: spring, reference: 1 N along normals, "
         "feedback: right_hand.finger_forces, effector: right_hand, "
-        "seek: {once: 'reach( motion )'}}\n"
-        "actions: [reach(motion), touch]\n",
+        "seek: {once: 'watch( motion )'}}\n"
+        "actions: [watch(motion), touch]\n",
     )
     seek = check_program(path, library=Library(tmp_path)).primitives["touch"].lead.seek
-    assert seek is not None and seek.once == "reach(motion)"
+    assert seek is not None and seek.once == "watch(motion)"
 
 
 def test_only_signals_of_the_environment_are_rewarded() -> None:
@@ -64,13 +63,13 @@ def test_parameters_reach_used_programs() -> None:
 
 def test_arguments_bind_parameters(tmp_path: Path) -> None:
     text = (
-        f"controllers:\n  look: {{parameters: [feature], {LOOK}}}\n"
-        "actions: [look(hue_1), look(hue_2), look(hue_1) <| look(hue_2)]\n"
-        'policy: {"**": "look(hue_1)<|look(hue_2)"}\n'
+        "shared: {looking: [watch]}\ncontrollers: {}\n"
+        "actions: [watch(hue_1), watch(hue_2), watch(hue_1) <| watch(hue_2)]\n"
+        'policy: {"**": "watch(hue_1)<|watch(hue_2)"}\n'
     )
     program = check_program(write(tmp_path, text))
-    assert program.members == ("look(hue_1)", "look(hue_2)")
-    assert program.policy == {"**": "look(hue_1) ◁ look(hue_2)"}
+    assert program.members == ("watch(hue_1)", "watch(hue_2)")
+    assert program.policy == {"**": "watch(hue_1) ◁ watch(hue_2)"}
     channels = [p.lead.feedback.name for p in program.primitives.values()]
     assert channels == ["cyclopean.hue_1", "cyclopean.hue_2"]
 

@@ -73,7 +73,6 @@ QUIESCENCE = data({"rate": POSITIVE, "window": POSITIVE}, {"within": POSITIVE})
 CONTROLLER = data(
     {"potential": NAME, "feedback": TEXT, "effector": TEXT},
     {
-        "parameters": st.lists(NAME, max_size=2),
         "reference": TEXT | NUMBER | st.lists(TEXT | NUMBER, max_size=3),
         "gain": POSITIVE,
         "speed": POSITIVE,

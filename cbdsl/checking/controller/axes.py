@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.checking.knowledge.impossible_states import is_mostly_defined
-from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents import program as written
@@ -33,7 +32,7 @@ def read_axes(document: written.ControllerSection) -> tuple[int, ...] | None:
 
 
 def fill_axes(
-    context: ProgramContext, steps: Steps, document: written.ControllerSection, scope: Scope
+    context: ProgramContext, steps: Steps, document: written.ControllerSection
 ) -> written.ControllerSection:
     """Return a controller section with axes substituted for its parameters.
 
@@ -44,7 +43,7 @@ def fill_axes(
     filled: list[str] = []
     for place, text in enumerate(document.axes):
         at = (*steps, "axes", place)
-        value = context.substitute(text, at, scope)
+        value = context.substitute(text, at)
         is_unknown = isinstance(value, Unknown)
         if not is_unknown and value not in AXES:
             problem = f"unknown axis '{value}'; allowed are x, y and z"

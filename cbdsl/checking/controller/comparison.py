@@ -13,7 +13,6 @@ from cbdsl.checking.controller.references import (
     read_literal,
     read_relative,
 )
-from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown, all_known
@@ -66,7 +65,6 @@ def read_comparison(
     context: ProgramContext,
     steps: Steps,
     value: Written | None,
-    scope: Scope,
     axes: tuple[int, ...] | None = None,
 ) -> Comparison:
     """Return the reference of a controller, and report unknown names.
@@ -75,41 +73,38 @@ def read_comparison(
         context: Program context.
         steps: Path of the reference.
         value: Reference in the document.
-        scope: Values of the program's and the controller's parameters.
         axes: Axes along which the feedback is compared; ``None`` for all.
     """
     if isinstance(value, tuple):
-        items = [_item(context, (*steps, i), item, scope) for i, item in enumerate(value)]
+        items = [_item(context, (*steps, i), item) for i, item in enumerate(value)]
         known: Outcome[list[str | float]] = all_known(items)
         if isinstance(known, Unknown):
             return Comparison()
         return Comparison(literal=tuple(known), axes=axes)
     if not isinstance(value, str):
         return Comparison(literal=value, axes=axes)
-    text = context.substitute(value, steps, scope)
+    text = context.substitute(value, steps)
     if isinstance(text, Unknown):
         return Comparison()
     if is_literal(text):
         return Comparison(literal=text, axes=axes)
     relative = read_relative(text)
     if relative is None:
-        named = context.resource(value, steps, scope)
+        named = context.resource(value, steps)
         return Comparison(None if isinstance(named, Unknown) else named, axes=axes)
     if relative.base == HERE:
         return Comparison(None, relative.offset, relative, axes)
     written = read_relative(value)
-    base = context.resource(written.base if written else relative.base, steps, scope)
+    base = context.resource(written.base if written else relative.base, steps)
     # An unknown base leaves the reference unknown.
     if isinstance(base, Unknown):
         return Comparison()
     return Comparison(base, relative.offset, relative, axes)
 
 
-def _item(
-    context: ProgramContext, steps: Steps, item: str | float, scope: Scope
-) -> Outcome[str | float]:
+def _item(context: ProgramContext, steps: Steps, item: str | float) -> Outcome[str | float]:
     """Return a component with its parameters substituted."""
-    return context.substitute(item, steps, scope) if isinstance(item, str) else item
+    return context.substitute(item, steps) if isinstance(item, str) else item
 
 
 def compare(

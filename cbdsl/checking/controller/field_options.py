@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
@@ -45,7 +44,6 @@ def check_field(
     potential: PotentialType,
     field: written.FieldSection | None,
     spec: ControllerSpec,
-    scope: Scope,
 ) -> Outcome[Field | None]:
     """Check the field of one controller.
 
@@ -55,7 +53,6 @@ def check_field(
         potential: Potential, which may need a field.
         field: Field section of the controller.
         spec: Other parts of the controller.
-        scope: Values of the program's and the controller's parameters.
 
     Returns:
         Checked field, or ``None`` if there is none; unknown if it does not suit the controller.
@@ -77,7 +74,7 @@ def check_field(
         details = {"name": spec.feedback.name, "size": count(kind.size, "dimension")}
         context.add("CB529", source.key(*steps), **details)
         return UNKNOWN
-    return _Field(context, steps, field, spec, scope).check()
+    return _Field(context, steps, field, spec).check()
 
 
 class _Field:
@@ -87,13 +84,11 @@ class _Field:
         steps: Steps,
         field: written.FieldSection,
         spec: ControllerSpec,
-        scope: Scope,
     ) -> None:
         self._context = context
         self._steps = steps
         self._field = field
         self._wish = spec
-        self._scope = scope
         self._size = spec.feedback.type.size
 
     def check(self) -> Field:
@@ -214,7 +209,7 @@ class _Field:
                 yield ball
 
     def _ball(self, text: str, radius: float | None, steps: tuple[Step, ...]) -> Outcome[Ball]:
-        resource = self._context.resource(text, (*self._steps, *steps), self._scope)
+        resource = self._context.resource(text, (*self._steps, *steps))
         if isinstance(resource, Unknown):
             return UNKNOWN
         feedback = self._wish.feedback

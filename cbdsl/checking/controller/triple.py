@@ -20,7 +20,6 @@ from cbdsl.checking.controller.influence import acting_chains
 from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.relative_reference import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
-from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
@@ -38,40 +37,35 @@ from cbdsl.types.source_record import record_of
 
 
 def check_triple(
-    context: ProgramContext, key: str, name: str, document: written.ControllerSection, scope: Scope
+    context: ProgramContext, name: str, document: written.ControllerSection
 ) -> Outcome[Controller]:
     """Check one controller.
 
     Args:
         context: Program context.
-        key: Controller's key in the document.
-        name: Name of the controller with its arguments.
+        name: Name of the controller.
         document: Controller section.
-        scope: Values of the program's and the controller's parameters.
 
     Returns:
         Typed controller; unknown if it has errors.
     """
-    return _Triple(context, key, name, document, scope).check()
+    return _Triple(context, name, document).check()
 
 
 class _Triple:
     def __init__(
         self,
         context: ProgramContext,
-        key: str,
         name: str,
         document: written.ControllerSection,
-        scope: Scope,
     ) -> None:
         self._context = context
-        self._steps: Steps = ("controllers", key)
+        self._steps: Steps = ("controllers", name)
         self._name = name
         self._document = document
-        self._scope = scope
 
     def check(self) -> Outcome[Controller]:
-        document = fill_axes(self._context, self._steps, self._document, self._scope)
+        document = fill_axes(self._context, self._steps, self._document)
         self._document = document
         potential = self._potential()
         # Without a robot no resource is known, and only the potential can be checked.
@@ -86,7 +80,7 @@ class _Triple:
         at = (self._context, self._steps, document)
         has_axes = isinstance(feedback, Unknown) or check_axes(*at, feedback)
         axes = read_axes(document)
-        comparison = read_comparison(self._context, steps, value, self._scope, axes)
+        comparison = read_comparison(self._context, steps, value, axes)
         if not has_axes:
             comparison = Comparison()
         agreement = Agreement(self._context, self._steps, document, potential, comparison, effector)
@@ -164,7 +158,7 @@ class _Triple:
     def _field(self, potential: PotentialType, wish: ControllerSpec) -> Field | None:
         field = self._document.field
         self._check_residuals(potential)
-        checked = check_field(self._context, self._steps, potential, field, wish, self._scope)
+        checked = check_field(self._context, self._steps, potential, field, wish)
         return None if isinstance(checked, Unknown) else checked
 
     def _check_residuals(self, potential: PotentialType) -> None:
@@ -224,4 +218,4 @@ class _Triple:
         return potential
 
     def _resource(self, text: str, key: str) -> Outcome[Resource]:
-        return self._context.resource(text, (*self._steps, key), self._scope)
+        return self._context.resource(text, (*self._steps, key))

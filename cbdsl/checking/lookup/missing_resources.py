@@ -25,6 +25,7 @@ class MissingResources:
     Args:
         robot: Robot's name.
         known: Names of its resources, and of the program's internal models.
+        scope: Values of the program's parameters.
         source: Source map of the program.
         diagnostics: Diagnostics so far.
 
@@ -36,52 +37,50 @@ class MissingResources:
         self,
         robot: str,
         known: Collection[str],
+        scope: Scope,
         source: SourceMap,
         diagnostics: Diagnostics,
     ) -> None:
-        self._robot, self._known = robot, known
+        self._robot, self._known, self._scope = robot, known, scope
         self._source, self._diagnostics = source, diagnostics
         self._wrong_values: set[str] = set()
         self.parameters: set[str] = set()
 
-    def report(self, text: str, name: str, steps: Steps, scope: Scope) -> None:
+    def report(self, text: str, name: str, steps: Steps) -> None:
         """Report that a resource does not exist.
 
         Args:
             text: Name as written in the document.
             name: Name with its parameters replaced.
             steps: Path of the text.
-            scope: Values of the parameters.
         """
         # A value is wrong if one of its parts occurs in no name of a resource. With ``arm:
         # lft_arm``, the text ``$arm.position`` is correct, and the value is reported once at its
         # definition.
-        values = {match[1]: scope.values[match[1]] for match in parameters_in(text)}
+        values = {match[1]: self._scope.values[match[1]] for match in parameters_in(text)}
         parts = {part for known in self._known for part in known.split(".")}
         wrong = {p: v for p, v in values.items() if not parts.issuperset(v.split("."))}
         if not wrong:
-            self._name(text, name, steps, scope)
+            self._name(text, name, steps)
         elif not self._wrong_values.issuperset(wrong.values()):
             parameter, value = next(iter(wrong.items()))
-            self._value(parameter, value, text, name, steps, scope)
+            self._value(parameter, value, text, name, steps)
         self._wrong_values.update(wrong.values())
 
-    def _value(
-        self, parameter: str, value: str, text: str, name: str, steps: Steps, scope: Scope
-    ) -> None:
+    def _value(self, parameter: str, value: str, text: str, name: str, steps: Steps) -> None:
         """Report the value of a parameter, at its definition if that is in this document."""
-        there, here = scope.place(parameter), self._source.place(*steps)
+        there, here = self._scope.place(parameter), self._source.place(*steps)
         self.parameters.add(parameter)
         related = [] if there is None else [(here, f"here '${parameter}' stands for it")]
         details = {"name": name, "robot": self._robot, "given": value}
-        names = self._values_of(parameter, text, scope)
+        names = self._values_of(parameter, text)
         self._add(there or here, names=names, related=related, **details)
 
-    def _values_of(self, parameter: str, text: str, scope: Scope) -> list[str]:
+    def _values_of(self, parameter: str, text: str) -> list[str]:
         """Return the values of a parameter with which a text names a resource."""
         # The text becomes a pattern, such as ``(.+)\.position`` for ``$arm.position``. Names that
         # match it show the values that would be valid.
-        others = {name: value for name, value in scope.values.items() if name != parameter}
+        others = {name: value for name, value in self._scope.values.items() if name != parameter}
         written = re.sub(rf"\\\${parameter}\b", "(.+)", re.escape(text), count=1)
         for name, value in others.items():
             written = re.sub(rf"\\\${name}\b", re.escape(value), written)
@@ -90,7 +89,7 @@ class MissingResources:
         # A text adds all but the first part of a name to its parameter.
         return [value for value in values if "." not in value] or values
 
-    def _name(self, text: str, name: str, steps: Steps, scope: Scope) -> None:
+    def _name(self, text: str, name: str, steps: Steps) -> None:
         place, details = self._source.place(*steps), {"name": name, "robot": self._robot}
         first = name.split(".")[0]
         siblings = [known for known in self._known if known.split(".")[0] == first]
@@ -107,7 +106,7 @@ class MissingResources:
             self._diagnostics.add("CB586", place, effector=first, name=name, names=loads, given="")
             return
         # With a parameter ``arm``, the text ``arm.position`` most likely lacks its ``$``.
-        signed = self._with_sign(text, scope)
+        signed = self._with_sign(text)
         if signed is not None:
             names = siblings or self._firsts()
             self._add(place, names=names, candidates=[signed], given=text, **details)
@@ -139,13 +138,13 @@ class MissingResources:
     def _firsts(self) -> list[str]:
         return list(dict.fromkeys(known.split(".")[0] for known in self._known))
 
-    def _with_sign(self, text: str, scope: Scope) -> str | None:
+    def _with_sign(self, text: str) -> str | None:
         """Return the text with a ``$`` before each parameter, if that names a resource."""
         parts = text.split(".")
-        signed = ".".join(f"${part}" if part in scope.values else part for part in parts)
+        signed = ".".join(f"${part}" if part in self._scope.values else part for part in parts)
         if signed == text:
             return None
-        name = re.sub(r"\$(\w+)", lambda match: scope.values.get(match[1], ""), signed)
+        name = re.sub(r"\$(\w+)", lambda match: self._scope.values.get(match[1], ""), signed)
         return signed if name in self._known else None
 
 

@@ -1,4 +1,4 @@
-"""Parameters that are defined at one point of a program."""
+"""Parameters of a program."""
 
 from __future__ import annotations
 
@@ -21,32 +21,20 @@ class Scope:
     Args:
         values: Value by name.
         places: Places of values in the document, by name; other values come from outside.
-        used: Initial set of used names.
 
     Attributes:
         values: Value by name.
-        used: Names that some text referred to; shared with the scopes inside.
+        used: Names that some text referred to.
     """
 
-    def __init__(
-        self,
-        values: Declared[str],
-        places: Mapping[str, Place],
-        used: set[str] | None = None,
-    ) -> None:
+    def __init__(self, values: Declared[str], places: Mapping[str, Place]) -> None:
         self.values = values
         self._places = places
-        self.used: set[str] = set() if used is None else used
+        self.used: set[str] = set()
 
     def place(self, name: str) -> Place | None:
         """Return the place of a parameter's value, or ``None`` if it came from outside."""
         return self._places.get(name)
-
-    def inside(self, values: Mapping[str, str], places: Mapping[str, Place]) -> Scope:
-        """Return this scope with further parameters, which hide those of the same name."""
-        visible = self.used if not values else _Hiding(self.used, frozenset(values))
-        outer = {name: place for name, place in self._places.items() if name not in values}
-        return Scope(self.values.extended(values), {**outer, **places}, visible)
 
     def substitute(
         self,
@@ -89,16 +77,3 @@ class Scope:
         if not known:
             return UNKNOWN
         return filled(text, values)
-
-
-class _Hiding(set[str]):
-    """Set that adds names to an outer set, except names that an inner scope hides."""
-
-    def __init__(self, outer: set[str], hidden: frozenset[str]) -> None:
-        super().__init__()
-        self._outer = outer
-        self._hidden = hidden
-
-    def add(self, name: str) -> None:
-        if name not in self._hidden:
-            self._outer.add(name)

@@ -11,6 +11,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.steps import WrittenStep, conditions_of
+from cbdsl.yaml_text.shared_parts import agrees
 
 
 class Actions:
@@ -110,8 +111,7 @@ class Actions:
 
     def _program_action(self, term: Term, steps: Steps) -> Outcome[Action]:
         self._context.used.add(term.name)
-        if term.arguments:
-            self._compositions.wrong_arity(term, steps, ())
+        agrees(term, (), self._context.at(steps, term.span), self._context.diagnostics)
         program = self._programs[term.name]
         return UNKNOWN if isinstance(program, Unknown) else Action(term.name, program=program)
 
@@ -163,17 +163,13 @@ class Actions:
 
     def _is_possible(self, expression: Expression) -> bool:
         """Return whether an action can be meant as written, even if its controllers have errors."""
-        document, terms = self._context.document, expression.terms
+        terms = expression.terms
         if not self.is_declared(expression) or expression in self._compositions.repetitive:
             return False
         if any(self._is_program(term) for term in terms):
             return len(terms) == 1 and not terms[0].arguments
-        are_called = all(
-            str(term) in self._context.loaded.taken
-            or len(term.arguments)
-            == len(getattr(document.controllers.get(term.name), "parameters", ()))
-            for term in terms
-        )
+        taken = self._context.loaded.taken
+        are_called = all(str(term) in taken or not term.arguments for term in terms)
         return are_called and len(set(map(str, terms))) == len(terms)
 
     def is_declared(self, expression: Expression) -> bool:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from cbdsl.checking.controller.triple import check_triple
-from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
-from cbdsl.diagnostics.counting import count
-from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown, all_known
 from cbdsl.documents import program as written
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
+from cbdsl.yaml_text.shared_parts import agrees
 
 # Bound on nested compositions, below Python's recursion limit.
 _DEEPEST = 64
@@ -37,8 +35,8 @@ class Compositions:
         for key, document in self._context.document.controllers.items():
             if isinstance(document, str):
                 self._composite(key, document, ())
-            elif not document.parameters:
-                self._triple(key, key, document, {}, {})
+            else:
+                self._triple(key, document)
 
     def check_rewards(self) -> None:
         """Check that rewarded parts belong to their composition, and can earn rewards."""
@@ -81,10 +79,10 @@ class Compositions:
         place = self._context.source.place("rewards", key, i)
         self._context.add("CB482", place, name=part, names=names, problem=f"'{part}' {why}")
 
-    def checked(self) -> list[tuple[str, Controller]]:
-        """Return the controllers without errors, each with its key in the document."""
+    def checked(self) -> list[Controller]:
+        """Return the controllers without errors."""
         return [
-            (name if name in self._context.loaded.taken else name.split("(")[0], controllers[0])
+            controllers[0]
             for name, controllers in self._built.items()
             if not isinstance(controllers, Unknown) and controllers[0].name == name
         ]
@@ -111,49 +109,21 @@ class Compositions:
                 self._missing(term, steps)
             return UNKNOWN
         self._context.used.add(term.name)
-        if str(term) in self._context.loaded.taken:
-            name = str(term)
-            if isinstance(document, str):
-                return self._composite(name, document, stack)
-            return self._triple(name, name, document, {}, {})
-        parameters = () if isinstance(document, str) else document.parameters
-        if len(parameters) != len(term.arguments):
-            self.wrong_arity(term, steps, parameters)
+        # A call of a shared controller is declared by its text; others take no arguments.
+        name = str(term) if str(term) in self._context.loaded.taken else term.name
+        if name != str(term) and not agrees(
+            term, (), self._context.at(steps, term.span), self._context.diagnostics
+        ):
             return UNKNOWN
         if isinstance(document, str):
-            return self._composite(term.name, document, stack)
-        # Each argument is substituted, since each may have a diagnostic.
-        arguments = [
-            self._context.substitute(a.text, steps, self._context.scope, a.span.start - 1)
-            for a in term.arguments
-        ]
-        if isinstance(values := all_known(arguments), Unknown):
-            return UNKNOWN
-        known = dict(zip(parameters, values, strict=True))
-        places = dict(zip(parameters, self._places(term, steps), strict=True))
-        return self._triple(term.name, str(term), document, known, places)
-
-    def _places(self, term: Term, steps: Steps) -> Iterator[Place]:
-        """Yield the places of the values of a call's arguments."""
-        for argument in term.arguments:
-            name = argument.text.removeprefix("$")
-            passed_on = self._context.scope.place(name) if name != argument.text else None
-            yield passed_on or self._context.at(steps, argument.span)
+            return self._composite(name, document, stack)
+        return self._triple(name, document)
 
     def _triple(
-        self,
-        key: str,
-        name: str,
-        document: written.ControllerSection,
-        arguments: Mapping[str, str],
-        places: Mapping[str, Place],
+        self, name: str, document: written.ControllerSection
     ) -> Outcome[tuple[Controller, ...]]:
         if name not in self._built:
-            # A controller with arguments also depends on their values, which the memory does not
-            # compare.
-            recalled = None if arguments else self._recalled(name, document)
-            scope = self._context.scope.inside(arguments, places)
-            controller = recalled or self._checked(key, name, document, scope)
+            controller = self._recalled(name, document) or self._checked(name, document)
             self._built[name] = UNKNOWN if isinstance(controller, Unknown) else (controller,)
         return self._built[name]
 
@@ -162,14 +132,12 @@ class Compositions:
         context = self._context
         return context.sound.recall(name, document, context.body) if context.has_body else None
 
-    def _checked(
-        self, key: str, name: str, document: written.ControllerSection, scope: Scope
-    ) -> Outcome[Controller]:
+    def _checked(self, name: str, document: written.ControllerSection) -> Outcome[Controller]:
         context = self._context
         before = context.diagnostics.added
-        controller = check_triple(context, key, name, document, scope)
+        controller = check_triple(context, name, document)
         is_clean = context.diagnostics.added == before and not context.loaded.diagnostics
-        if not isinstance(controller, Unknown) and is_clean and key == name:
+        if not isinstance(controller, Unknown) and is_clean:
             context.sound.remember(name, document, context.body, controller)
         return controller
 
@@ -250,15 +218,3 @@ class Compositions:
         source, faults = self._context.source, self._context.loaded.diagnostics
         left_out = set(source.broken.keys(("controllers", "use")))
         return any(fault.code == "CB107" and fault.given in left_out for fault in faults)
-
-    def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:
-        """Report a call with too many or too few arguments."""
-        given = len(term.arguments)
-        names = f" ({', '.join(parameters)})" if parameters else ""
-        self._context.add(
-            "CB403",
-            self._context.at(steps, term.span),
-            name=term.name,
-            wanted=count(len(parameters), "argument") + names,
-            found=f"{given or 'none'} {'is' if given <= 1 else 'are'}",
-        )

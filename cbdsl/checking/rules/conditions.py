@@ -77,7 +77,7 @@ class _ConditionCheck:
         return condition
 
     def _shown(self) -> str:
-        text = self._context.substitute(self._text, self._path, self._context.scope)
+        text = self._context.substitute(self._text, self._path)
         return self._text if isinstance(text, Unknown) else text
 
     def _hold(self, written: WrittenCondition) -> Outcome[float]:
@@ -129,7 +129,7 @@ class _ConditionCheck:
 
     def _substituted(self, value: WrittenValue) -> Outcome[str]:
         start = value.span.start - 1
-        return self._context.substitute(value.text, self._path, self._context.scope, start)
+        return self._context.substitute(value.text, self._path, start)
 
     def _value(self, value: WrittenValue) -> Outcome[_Known]:
         text = self._substituted(value)
@@ -145,9 +145,7 @@ class _ConditionCheck:
     def _component(self, value: WrittenValue, text: str) -> Outcome[Component]:
         base, _, axis = value.text.rpartition(".")
         has_axis = bool(base) and axis in tuple(_AXES) and text not in self._context.body.resources
-        resource = self._context.resource(
-            base if has_axis else value.text, self._path, self._context.scope
-        )
+        resource = self._context.resource(base if has_axis else value.text, self._path)
         if isinstance(resource, Unknown):
             return UNKNOWN
         problem = _problem(resource, axis if has_axis else "")

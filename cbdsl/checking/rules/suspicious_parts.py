@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.checking.knowledge.impossible_states import check_possible, reads_what_is_known
@@ -27,7 +27,7 @@ _ROUNDING = 1e-3
 def check_suspicious(
     context: ProgramContext,
     program: CheckedProgram,
-    controllers: Iterable[tuple[str, Controller]],
+    controllers: Sequence[Controller],
     actions: Mapping[str, Steps],
 ) -> None:
     """Warn of suspicious parts that can be found without running a program.
@@ -35,16 +35,15 @@ def check_suspicious(
     Args:
         context: Context of the program's document.
         program: Checked program.
-        controllers: Controllers of the program, with their keys in the document.
+        controllers: Controllers of the program.
         actions: Paths of its actions in the document, by name.
     """
-    checked = list(controllers)
-    for key, controller in checked:
-        document = context.document.controllers[key]
+    for controller in controllers:
+        document = context.document.controllers[controller.name]
         assert isinstance(document, written.ControllerSection), "compositions are no controllers"
-        _ControllerCheck(context, key, document, controller).all()
-    check_waiting(context, checked)
-    _hasty(context, checked, program)
+        _ControllerCheck(context, document, controller).all()
+    check_waiting(context, controllers)
+    _hasty(context, controllers, program)
     _start(context, program)
     _background(context, program)
     _unchosen(context, program, actions)
@@ -61,12 +60,11 @@ class _ControllerCheck:
     def __init__(
         self,
         context: ProgramContext,
-        key: str,
         document: written.ControllerSection,
         controller: Controller,
     ) -> None:
         self._context = context
-        self._steps = ("controllers", key)
+        self._steps = ("controllers", controller.name)
         self._document = document
         self._controller = controller
 
@@ -144,16 +142,16 @@ def _is_zero(controller: Controller) -> bool:
 
 
 def _hasty(
-    context: ProgramContext, controllers: Iterable[tuple[str, Controller]], program: CheckedProgram
+    context: ProgramContext, controllers: Sequence[Controller], program: CheckedProgram
 ) -> None:
     """Warn of controllers whose window of quiescence is at least as long as an action lasts."""
     source, longest, limit = context.source, program.transition_time, ("limits", "transition_time")
-    slow = [(c.quiescence.window, key, c.name) for key, c in controllers]
+    slow = [(c.quiescence.window, c.name) for c in controllers]
     slow = sorted((each for each in slow if each[0] >= longest), reverse=True)
     # If the limit is in the document, the limit is too short: report it once.
     # Sorted by window, longest first: a limit above the first window suits all others.
-    for window, key, name in slow[:1] if source.holds(*limit) else slow:
-        own = ("controllers", key, "quiescence", "window")
+    for window, name in slow[:1] if source.holds(*limit) else slow:
+        own = ("controllers", name, "quiescence", "window")
         place = source.place(*(limit if source.holds(*limit) else own))
         details = {"longest": f"{longest:g}", "window": f"{window:g}"}
         context.add("CB714", place, name=name, **details)
@@ -241,16 +239,16 @@ class _Wait(NamedTuple):
 Waits = Mapping[str, list[_Wait]]
 
 
-def check_waiting(context: ProgramContext, controllers: Iterable[tuple[str, Controller]]) -> None:
+def check_waiting(context: ProgramContext, controllers: Sequence[Controller]) -> None:
     """Report circles among the controllers that ``requires`` and ``seek: {once: ...}`` name.
 
     Args:
         context: Context of the program's document.
-        controllers: Controllers of the program, with their keys in the document.
+        controllers: Controllers of the program.
     """
     waits: dict[str, list[_Wait]] = {}
-    for key, controller in controllers:
-        for steps, awaited in _named(key, controller):
+    for controller in controllers:
+        for steps, awaited in _named(controller):
             waits.setdefault(controller.name, []).append(_Wait(controller.name, awaited, steps))
     # Circles of ``requires`` alone are reported first. The graph of all waits contains them again,
     # so that controllers that were reported are skipped.
@@ -264,11 +262,11 @@ def check_waiting(context: ProgramContext, controllers: Iterable[tuple[str, Cont
                 reported |= names
 
 
-def _named(key: str, controller: Controller) -> Iterator[tuple[Steps, str]]:
+def _named(controller: Controller) -> Iterator[tuple[Steps, str]]:
     if controller.requires is not None:
-        yield ("controllers", key, "requires"), controller.requires
+        yield ("controllers", controller.name, "requires"), controller.requires
     if controller.seek is not None and controller.seek.once is not None:
-        yield ("controllers", key, "seek", "once"), controller.seek.once
+        yield ("controllers", controller.name, "seek", "once"), controller.seek.once
 
 
 def _circles(waits: Waits) -> Iterator[list[_Wait]]:

@@ -23,19 +23,8 @@ def check_unused(context: ProgramContext, used: Collection[str]) -> None:
         if name not in context.scope.used:
             section = "roles" if name in document.roles else "parameters"
             context.add("CB702", source.key(section, name), name=name)
-    _hidden(context)
-
-
-def _hidden(context: ProgramContext) -> None:
-    document, source = context.document, context.source
     for name in document.controllers:
         if name in document.use:
             related = [(source.key("use", name), "the program")]
             place = source.key("controllers", name)
             context.add("CB703", place, related=related, name=name, other="program")
-    for key, controller in document.controllers.items():
-        for i, name in enumerate(() if isinstance(controller, str) else controller.parameters):
-            if name in document.parameters:
-                related = [(source.key("parameters", name), "the program's parameter")]
-                place = source.place("controllers", key, "parameters", i)
-                context.add("CB703", place, related=related, name=name, other="parameter")

@@ -206,8 +206,9 @@ def _special(
             shape = SchemaShape((model,)).located(error["loc"][:-1])
             if new := shape.renamed.get(name):
                 return diagnose("CB211", source.key(*path), old=name, new=new)
-            keys = sorted(shape.keys)
-            return diagnose("CB202", source.key(*path), names=keys, key=name)
+            advice = shape.moved.get(name)
+            keys, hint = ([], f"; {advice}") if advice else (sorted(shape.keys), "")
+            return diagnose("CB202", source.key(*path), names=keys, key=name, hint=hint)
         case "literal_error" | "union_tag_invalid":
             # pydantic lists the allowed words as one text, such as "'a', 'b' or 'c'".
             expected = str(context.get("expected") or context.get("expected_tags"))

@@ -233,7 +233,8 @@ class _Finder:
         """Return the move of a key that belongs to an enclosing section, with the keys after it."""
         assert isinstance(node.value, dict)
         for key, child in node.value.items():
-            is_wrong = (*path, key) in self._wrong and (shape.is_of_names or key not in shape.keys)
+            is_foreign = shape.is_of_names or not (key in shape.keys or key in shape.moved)
+            is_wrong = (*path, key) in self._wrong and is_foreign
             goal = _around(key, around) if is_wrong else None
             if goal is not None:
                 # A key without a value opens a section, to which the keys behind it belong.

@@ -38,6 +38,11 @@ class SchemaShape(NamedTuple):
         return {old: new for section in self.sections for old, new in section.renamed.items()}
 
     @property
+    def moved(self) -> Mapping[str, str]:
+        """Advice for keys of older documents, by key."""
+        return {key: advice for section in self.sections for key, advice in section.moved.items()}
+
+    @property
     def is_of_names(self) -> bool:
         """True if the keys are names that the document defines."""
         return any(get_origin(kind) is dict for kind in self.kinds)
