@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.bench import bench
+from cbdsl.kinematics.bench import Bench, bench
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.robot_xml import robot_text
 from cbdsl.scaffold.model_source import localized, with_origin
@@ -51,8 +51,9 @@ def add_eyes(file: Path) -> Path:
     )
     if {"left_camera", "right_camera"} & {link.get("name") for link in root.findall("link")}:
         raise UsageError(f"{model} has cameras: write them in 'cameras' of {file}")
+    before = bench(robot, file)
     for side, name in ((-1.0, "left_camera"), (1.0, "right_camera")):
-        _add(root, name, robot.base, _pose(robot, file, side))
+        _add(root, name, robot.base, _pose(before, side))
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode")
     write_text(with_origin(text, f"From {robot.model}, with cameras."), target)
@@ -62,21 +63,16 @@ def add_eyes(file: Path) -> Path:
     return target
 
 
-def _pose(robot: RobotDocument, file: Path, side: float) -> tuple[str, str]:
+def _pose(before: Bench, side: float) -> tuple[str, str]:
     """Return a camera's position and its roll, pitch and yaw, as URDF writes them."""
-    before = bench(robot, file)
     x, y, z = before.position
     away = math.hypot(x, y)
     ahead = (x / away, y / away) if away > _APART * before.reach else (1.0, 0.0)
     beyond, apart, above = (part * before.reach for part in (_BEYOND, side * _APART, _ABOVE))
-    offset = (
-        beyond * ahead[0] - apart * ahead[1],
-        beyond * ahead[1] + apart * ahead[0],
-        above,
-    )
-    pitch, yaw = math.atan2(above, math.hypot(beyond, apart)), math.atan2(-offset[1], -offset[0])
-    at = (x + offset[0], y + offset[1], z + offset[2])
-    return " ".join(f"{each:.4f}" for each in at), f"0 {pitch:.6f} {yaw:.6f}"
+    east = beyond * ahead[0] - apart * ahead[1]
+    north = beyond * ahead[1] + apart * ahead[0]
+    pitch, yaw = math.atan2(above, math.hypot(beyond, apart)), math.atan2(-north, -east)
+    return f"{x + east:.4f} {y + north:.4f} {z + above:.4f}", f"0 {pitch:.6f} {yaw:.6f}"
 
 
 def _add(root: ElementTree.Element, name: str, base: str, pose: tuple[str, str]) -> None:
