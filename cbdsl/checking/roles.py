@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,6 +21,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.types.relative import ANY_ROBOT, named, replaced, with_measures, with_parts
 from cbdsl.types.role import EYES, RELATIONS, ROBOT, STEREO, STEREO_HEADING, Role, role
+from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 
@@ -53,16 +55,13 @@ def check_roles(loaded: Loaded[ProgramDocument], diagnostics: Diagnostics) -> No
         related = [(source.key("roles"), "the roles")]
         diagnostics.add("CB415", source.key("robot"), related=related, name=document.robot)
     for place, (name, text) in enumerate(document.roles.items()):
-        earlier, known = list(document.roles)[:place], role(text)
-        wrong = () if known is None else set(known.relations.values()).difference(earlier)
-        if known is None or wrong:
+        earlier, own, at = list(document.roles)[:place], role(text), source.place("roles", name)
+        if own is None:
             problem = f"'{text}' is no kind of effector"
-            if wrong:
-                problem = f"role '{', '.join(sorted(wrong))}' is not stated above"
-            names = earlier if wrong else []
-            diagnostics.add(
-                "CB413", source.place("roles", name), names=names, name=name, problem=problem
-            )
+            diagnostics.add("CB413", at, name=name, problem=problem)
+        elif wrong := sorted({*own.relations.values()}.difference(earlier)):
+            problem = f"role '{', '.join(wrong)}' is not stated above"
+            diagnostics.add("CB413", at, names=earlier, name=name, problem=problem)
         if source.holds("parameters", name):
             related = [(source.key("parameters", name), "the parameter")]
             details = {"name": name, "other": "parameter"}
@@ -92,7 +91,7 @@ def bind(
     loaded: Loaded[ProgramDocument],
     robot: CheckedRobot,
     values: Mapping[str, str],
-    measures: Mapping[str, float] | None = None,
+    measures: Callable[[tuple[str, ...]], Mapping[str, float]] = lambda _: {},
 ) -> Loaded[ProgramDocument] | str:
     """Return a program with effectors of a robot in its roles, or the reason why there are none.
 
@@ -103,7 +102,8 @@ def bind(
         loaded: Program with roles.
         robot: Robot.
         values: Given effectors by role, and other values.
-        measures: Measures of the robot and its bench by name, m, if the program has any.
+        measures: Function of the effectors that returns the measures of the robot and its bench by
+            name, m.
     """
     document, roles = loaded.document, read_roles(loaded.document)
     for name, each in roles.items():
@@ -123,7 +123,8 @@ def bind(
             "or name one in 'roles' of its document"
         )
     effectors = {name: value for name, value in best[0].items() if roles[name].wanted.kind != EYES}
-    stated = _with_values(loaded, robot, best[0], effectors, measures or {})
+    acting = tuple(effectors.values())
+    stated = _with_values(loaded, robot, best[0], effectors, lambda: measures(acting))
     if isinstance(stated, str):
         return stated
     update = {
@@ -139,7 +140,7 @@ def _with_values(
     robot: CheckedRobot,
     chosen: Mapping[str, str],
     effectors: Mapping[str, str],
-    measures: Mapping[str, float],
+    measures: Callable[[], Mapping[str, float]],
 ) -> ProgramDocument | str:
     """Return a program with the values of a robot's document, or the reason against that robot."""
     data, known = loaded.source.root.plain(), robot.document.effectors
@@ -152,9 +153,11 @@ def _with_values(
         if name in known
         for key, text in known[name].values.items()
     }
-    bound = replaced(data, lambda text: with_measures(with_parts(text, texts), measures))
     try:
+        bound = replaced(data, lambda text: with_measures(with_parts(text, texts), measures))
         return ProgramDocument.model_validate(bound, context={"folder": loaded.path.parent})
+    except QuantityError as error:
+        return f"robot '{robot.document.name}' does not suit the program: {error}"
     except ValidationError as error:
         return _lacking(error, robot, effectors)
 
@@ -259,12 +262,19 @@ def on_robot(
     library = session.library
     file = library.find(RobotDocument, name, loaded.path)
     if file is None:
-        known = robots_at_hand(loaded.path, library)
+        known = library.names(RobotDocument, loaded.path)
         return f"there is no robot '{name}'{suggestion(name, known)} (known: {', '.join(known)})"
     body = session.body(file, Diagnostics())
     if isinstance(body, Unknown):
         return f"robot '{name}' has errors, which 'cb validate {file}' lists"
-    bound = bind(loaded, body, values, _measures(loaded, body, file))
+
+    @cache
+    def measures(parts: tuple[str, ...]) -> Mapping[str, float]:
+        from cbdsl.kinematics.bench import measures_of  # few programs need it
+
+        return measures_of(body.document, file, parts)
+
+    bound = bind(loaded, body, values, measures)
     if isinstance(bound, str):
         return bound
     if lacking := _unstated(loaded, bound.document, body, session):
@@ -288,9 +298,8 @@ def _unstated(
         own = bound.parameters.get(role, "")
         if role not in loaded.document.roles or own not in effectors:
             continue
-        resource = f"{own}.{key}"
         is_known = key in effectors[own].values or any(
-            each == resource or each.startswith(f"{resource}.") for each in robot.resources
+            f"{each}.".startswith(f"{own}.{key}.") for each in robot.resources
         )
         if not is_known and key in _stated(loaded.path, session):
             return _states_no(key, own, robot, "the program")
@@ -299,22 +308,11 @@ def _unstated(
 
 def _stated(path: Path, session: Session) -> set[str]:
     """Return the names of the values that robots at hand state."""
-    files = (
-        session.library.find(RobotDocument, name, path)
-        for name in robots_at_hand(path, session.library)
-    )
-    bodies = (session.body(file or UNKNOWN, Diagnostics()) for file in files)
-    known = [each.document for each in bodies if not isinstance(each, Unknown)]
-    return {key for robot in known for each in robot.effectors.values() for key in each.values}
-
-
-def _measures(loaded: Loaded[ProgramDocument], robot: CheckedRobot, file: Path) -> dict[str, float]:
-    """Return the measures of a robot's bench, if a program refers to them."""
-    if not any("bench." in line or " reach" in line for line in loaded.source.lines):
-        return {}
-    from cbdsl.kinematics.bench import bench  # few programs need it
-
-    return bench(robot.document, file).measures
+    library = session.library
+    files = [library.find(RobotDocument, name, path) for name in library.names(RobotDocument, path)]
+    bodies = [session.body(file or UNKNOWN, Diagnostics()) for file in files]
+    robots = [each.document for each in bodies if not isinstance(each, Unknown)]
+    return {key for robot in robots for each in robot.effectors.values() for key in each.values}
 
 
 def _suitable(use: Use, robot: str, loaded: Loaded[ProgramDocument], session: Session) -> Use:
@@ -359,21 +357,16 @@ def _robot_of(stage: str, path: Path, library: Library) -> str | None:
 
 def _first_the_stage_s(loaded: Loaded[ProgramDocument], library: Library) -> list[str]:
     """Return the robots at hand, the one of the program's own stage first."""
-    names, stage = robots_at_hand(loaded.path, library), loaded.document.stage
+    names, stage = library.names(RobotDocument, loaded.path), loaded.document.stage
     own = None if stage is None else _robot_of(stage, loaded.path, library)
     return sorted(names, key=lambda name: name != own)
-
-
-def robots_at_hand(path: Path, library: Library) -> list[str]:
-    """Return the names of the robots that a program may run on."""
-    return library.names(RobotDocument, path)
 
 
 def fitting_robots(loaded: Loaded[ProgramDocument], session: Session) -> list[str]:
     """Return the names of the robots at hand that fill the roles of a program."""
     return [
         name
-        for name in robots_at_hand(loaded.path, session.library)
+        for name in session.library.names(RobotDocument, loaded.path)
         if isinstance(on_robot(name, loaded, session.values, session), Loaded)
     ]
 
@@ -388,15 +381,13 @@ def _candidates(own: Role, robot: CheckedRobot) -> list[str]:
 def _unfilled(name: str, own: Role, robot: CheckedRobot, values: Mapping[str, str]) -> str:
     """Return why no effector can be in a role at all; empty if one can."""
     document, kind = robot.document, own.wanted.type
+    sought, held = f"effector of {kind}", list(document.effectors)
     known, whose = [*document.effectors, *document.groups], f"robot '{document.name}'"
     if kind == STEREO:
-        known = [STEREO]
+        known, sought, held = [STEREO], "two cameras", list(document.cameras)
     if name not in values:
-        listed = ", ".join(document.effectors)
-        problem = f"{whose} has no effector of {kind} for role '{name}' (it has {listed})"
-        if kind == STEREO:
-            cameras = ", ".join(document.cameras) or "none"
-            problem = f"{whose} has no two cameras for role '{name}' (it has {cameras})"
+        listed = ", ".join(held) or "none"
+        problem = f"{whose} has no {sought} for role '{name}' (it has {listed})"
         return "" if _candidates(own, robot) else problem
     given = values[name]
     if given not in known:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +11,7 @@ from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.kinematics.ready_posture import PLACING, ReadyPosture
 from cbdsl.robot.urdf import UrdfError, UrdfModel, Vector
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.types.unit import read_quantity
 
 
 class Bench(NamedTuple):
@@ -30,13 +31,6 @@ class Bench(NamedTuple):
     y: tuple[float, float]
     radius: tuple[float, float]
     reach: float
-
-    @property
-    def measures(self) -> dict[str, float]:
-        """Reach of the limb, and the middle of the table's top, by name, m."""
-        x, y, z = self.position
-        top = z + self.size[2] / 2
-        return {"reach": self.reach, "bench.x": x, "bench.y": y, "bench.z": top}
 
     def values(self) -> dict[str, str]:
         """Return the values of the stage template's placeholders, in centimetres."""
@@ -80,6 +74,27 @@ def bench(robot: RobotDocument, file: Path) -> Bench:
     limbs = [each for each in robot.effectors.values() if _is_limb(model, each)]
     most = max((len(each.joints) for each in limbs), default=0)
     return _before([_Limb(model, each) for each in limbs if len(each.joints) == most])
+
+
+def measures_of(robot: RobotDocument, file: Path, parts: Collection[str]) -> dict[str, float]:
+    """Return the reach, the middle of the bench's top, and a span of a robot, by name, m.
+
+    Args:
+        robot: Robot.
+        file: Document of the robot.
+        parts: Effectors that act, whose span counts; the first hand's if empty.
+
+    Raises:
+        QuantityError: The span is no length.
+    """
+    names = [name for name in (*parts, *robot.effectors) if name in robot.effectors]
+    widths = [robot.effectors[name].values.get("span") for name in names]
+    width = next((width for width in widths if width is not None), None)
+    span = {} if width is None else {"span": read_quantity(width, ("length",))}
+    table = bench(robot, file)
+    x, y, z = table.position
+    top = z + table.size[2] / 2
+    return {"reach": table.reach, "bench.x": x, "bench.y": y, "bench.z": top, **span}
 
 
 def _is_limb(model: UrdfModel, limb: Effector) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from cbdsl.types.unit import QuantityError, parse_quantity
@@ -77,23 +77,21 @@ def with_parts(text: str, texts: Mapping[str, str]) -> str:
     return _PART.sub(part, text)
 
 
-def with_measures(text: str, measures: Mapping[str, float]) -> str | float:
+def with_measures(text: str, measures: Callable[[], Mapping[str, float]]) -> str | float:
     """Return the length of a sum of measures, m; any other text as it is.
 
     Args:
         text: Text such as ``bench.x - 0.2 reach``.
-        measures: Lengths by name, m.
+        measures: Function that returns lengths by name, m; it is called for such texts alone.
 
     Raises:
-        KeyError: A measure is not known.
-        QuantityError: A term has no unit of length.
+        QuantityError: A measure is not known, or a term has no unit of length.
     """
-    if not measures or text.lstrip().startswith("$") or not is_relative(text):
+    if text.lstrip().startswith("$") or not is_relative(text) or not (known := measures()):
         return text
-    total = 0.0
-    for sign, term in _SUM.findall(text):
-        total += (-1.0 if sign == "-" else 1.0) * _length(term, measures)
-    return total
+    return sum(
+        (-1.0 if sign == "-" else 1.0) * _length(term, known) for sign, term in _SUM.findall(text)
+    )
 
 
 def _length(term: str, measures: Mapping[str, float]) -> float:
@@ -101,6 +99,8 @@ def _length(term: str, measures: Mapping[str, float]) -> float:
         return measures[term]
     name = term.lstrip("0123456789. ")
     if name in ("reach", "span"):
+        if name not in measures:
+            raise QuantityError(f"it states no '{name}'; write {name}: WIDTH in 'values' of a hand")
         return float(term[: -len(name)]) * measures[name]
     length, unit = parse_quantity(term)
     if unit is None or unit.dimension != "length":
@@ -108,10 +108,11 @@ def _length(term: str, measures: Mapping[str, float]) -> float:
     return length
 
 
-def named(value: Any) -> Iterator[str]:
-    """Yield the names ``part.name`` in all texts of a value of a document."""
-    if isinstance(value, str):
-        yield from (f"{match[1]}{match[2]}" for match in _PART.finditer(value) if match[2])
-    elif isinstance(value, (dict, list, tuple)):
-        for each in value.values() if isinstance(value, dict) else value:
-            yield from named(each)
+def named(value: Any) -> list[str]:
+    """Return the names ``part.name`` in all texts of a value of a document."""
+    names: list[str] = []
+    replaced(
+        value,
+        lambda text: names.extend(f"{m[1]}{m[2]}" for m in _PART.finditer(text) if m[2]),
+    )
+    return names

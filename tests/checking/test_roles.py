@@ -205,6 +205,29 @@ def test_value_that_the_robot_lacks_is_one_finding(
     assert [each.code for each in info.value.diagnostics] == ["CB414"]
 
 
+@pytest.mark.parametrize(
+    ("term", "robot", "problem"),
+    [
+        ("0.2 span", "panda", ""),
+        ("0.2 span", "desk", "robot 'desk' does not suit the program: it states no 'span'"),
+        ("3 kg", "panda", "'3 kg' is no length"),
+    ],
+)
+def test_measure_that_the_robot_lacks_is_one_finding(
+    term: str, robot: str, problem: str, tmp_path: Path
+) -> None:
+    reference = f"reference: [bench.x, bench.y + {term}, bench.z]"
+    go = f"{{potential: spring, {reference}, feedback: $arm.position, effector: $arm.position}}"
+    rest = f"controllers: {{go: {go}}}\nactions: [go]\n"
+    path = program(tmp_path, "{arm: effector of position}", rest)
+    if not problem:
+        assert check_program(path, {"robot": robot}).robot == robot
+        return
+    with pytest.raises(DiagnosticsError, match=problem) as info:
+        check_program(path, {"robot": robot})
+    assert [each.code for each in info.value.diagnostics] == ["CB414"]
+
+
 def test_eyes_need_a_pair_of_cameras_and_their_heading_a_head(tmp_path: Path) -> None:
     for kind, robots in (("stereo", SEEING), ("stereo heading", {"dexter"})):
         path = program(tmp_path, f"{{arm: effector of position, eyes: {kind}}}", BOTH)

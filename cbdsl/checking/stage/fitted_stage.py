@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.bench import bench
+from cbdsl.kinematics.bench import measures_of
 from cbdsl.types.relative import ANY_ROBOT, replaced, with_measures
-from cbdsl.types.unit import QuantityError, read_quantity
+from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.loaded import Loaded
 
 
@@ -38,30 +38,20 @@ def fitted_stage(
     """
     if loaded.document.robot != ANY_ROBOT:
         return loaded.document
-    measures = {**bench(robot, file).measures, **dict(_spans(robot, parts))}
     try:
-        data = replaced(loaded.source.root.plain(), lambda text: with_measures(text, measures))
+        measures = measures_of(robot, file, parts)
+        data = replaced(
+            loaded.source.root.plain(), lambda text: with_measures(text, lambda: measures)
+        )
         context = {"folder": loaded.path.parent}
         return StageDocument.model_validate({**data, "robot": robot.name}, context=context)
-    except KeyError as error:
-        missing = error.args[0]
-        raise UnfitStageError(
-            f"robot '{robot.name}' states no '{missing}', which stage '{loaded.document.name}' "
-            f"needs; write {missing}: WIDTH in 'values' of its hand"
-        ) from None
     except QuantityError as error:
-        raise UnfitStageError(f"stage '{loaded.document.name}': {error}") from None
+        raise UnfitStageError(
+            f"stage '{loaded.document.name}' does not suit robot '{robot.name}': {error}"
+        ) from None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         where = ".".join(map(str, first["loc"]))
         raise UnfitStageError(
             f"stage '{loaded.document.name}' on robot '{robot.name}', {where}: {first['msg']}"
         ) from None
-
-
-def _spans(robot: RobotDocument, parts: Collection[str]) -> Iterator[tuple[str, float]]:
-    """Yield the width between the fingers of the hand that acts, or of the first hand."""
-    names = [name for name in (*parts, *robot.effectors) if name in robot.effectors]
-    widths = [robot.effectors[name].values.get("span") for name in names]
-    for width in [width for width in widths if width is not None][:1]:
-        yield "span", read_quantity(width, ("length",))

@@ -10,7 +10,6 @@ from cbdsl.checking.roles import (
     check_roles,
     on_robot,
     read_roles,
-    robots_at_hand,
 )
 from cbdsl.checking.session import Session
 from cbdsl.cli.arguments.options import Robot, ShownProgram
@@ -43,7 +42,7 @@ def show_bindings(
     check_roles(loaded, diagnostics)
     if diagnostics.failed:
         raise DiagnosticsError(diagnostics.sorted())
-    names = [robot] if robot else robots_at_hand(path, session.library)
+    names = [robot] if robot else session.library.names(RobotDocument, path)
     rows = [row for each in names for row in _rows(loaded, each, session)]
     if form is Format.JSON:
         print_json(rows)
