@@ -47,13 +47,15 @@ def fix(diagnostic: Diagnostic, lines: Sequence[str]) -> Fix | None:
 def fixed(text: str, diagnostics: Iterable[Diagnostic]) -> str:
     """Return a text with all corrections of its diagnostics, none of which overlap."""
     lines = lines_of(text)
-    ends = line_ends(text)
-    # From the last to the first: a replacement moves only columns that are done.
-    fixes = sorted(
-        {each for diagnostic in diagnostics if (each := fix(diagnostic, lines))}, reverse=True
-    )
+    return replaced(text, {each for found in diagnostics if (each := fix(found, lines))})
+
+
+def replaced(text: str, fixes: Iterable[Fix]) -> str:
+    """Return a text with replacements; of two that overlap, the one behind counts."""
+    lines, ends = lines_of(text), line_ends(text)
     last = (len(lines) + 1, 0)
-    for each in fixes:
+    # From the last to the first: a replacement moves only columns that are done.
+    for each in sorted(fixes, reverse=True):
         if (each.line, each.end_column) > last:
             continue
         line = lines[each.line - 1]

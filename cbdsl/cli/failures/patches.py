@@ -3,43 +3,38 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cbdsl.api.open_robot import open_robot
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.legible_text import encoded
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.editor.fixes import Fix, replaced
+from cbdsl.storage.atomic_file import write_text
 from cbdsl.yaml_text.composer import compose
-from cbdsl.yaml_text.library import is_of
+from cbdsl.yaml_text.library import is_of, shipped
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.cli.run import RunOptions
     from cbdsl.yaml_text.node import Node
 
 # Largest numbers of changes that are tried, on the seed of the failure and on fresh seeds.
 _MOST, _CHOSEN = 30, 3
 # Fresh seeds are these numbers after the seed of the failure.
 _FRESH = range(1001, 1006)
+_TIMES = ("transitions", "transition_time", "idle_time", "episode_time", "lost_time")
+_LOADS = ("finger_force", "hand_force", "joint_torque")
 # Factors of a change, by key. Goals, tolerances and states of success never change.
 _FACTORS = {
-    "speed": (0.5, 2.0),
-    "acceleration": (0.5, 2.0),
-    "gain": (0.5, 2.0),
-    "window": (2.0, 0.5),
+    **dict.fromkeys(("speed", "acceleration", "gain", "pace", "least"), (0.5, 2.0)),
+    **dict.fromkeys(("window", *_LOADS), (2.0, 0.5)),
+    **dict.fromkeys(_TIMES, (2.0, 4.0)),
     "reference": (2.0, 5.0, 0.5),
-    "transitions": (2.0, 4.0),
-    "transition_time": (2.0, 4.0),
-    "idle_time": (2.0, 4.0),
-    "episode_time": (2.0, 4.0),
-    "lost_time": (2.0, 4.0),
-    "finger_force": (2.0, 0.5),
-    "hand_force": (2.0, 0.5),
-    "joint_torque": (2.0, 0.5),
-    "pace": (0.5, 2.0),
     "height": (2.0,),
-    "least": (0.5, 2.0),
     "clearance": (0.5,),
 }
 # Keys that are tried first, by kind of cause.
@@ -47,12 +42,10 @@ _FIRST = {
     "slip": ("reference", "acceleration", "speed"),
     "no_grasp": ("reference", "window", "speed"),
     "time": ("transition_time", "episode_time", "transitions", "speed"),
-    "guard": ("finger_force", "hand_force", "joint_torque", "clearance"),
+    "guard": (*_LOADS, "clearance"),
     "lost": ("lost_time", "speed"),
 }
 _NUMBER = re.compile(r"\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
-
-Read = Callable[[Mapping[Path, bytes]], "RunRequest"]
 
 
 class Patch(NamedTuple):
@@ -70,106 +63,78 @@ class Patch(NamedTuple):
         return f"{self.file}:{self.line} {keys}: {self.before} -> {self.after}"
 
 
-class TriedPatch(NamedTuple):
-    """Patch that succeeded where the program failed, and successes on fresh seeds.
-
-    Attributes:
-        patch: Change.
-        before: Number of successes without it.
-        after: Number of successes with it.
-        seeds: Number of fresh seeds.
-    """
-
-    patch: Patch
-    before: int
-    after: int
-    seeds: int = len(_FRESH)
-
-
-def patches(request: RunRequest, kind: str) -> list[Patch]:
-    """Return the changes that may help against a kind of cause, the likeliest first."""
-    made = [
-        patch
-        for file in request.library.files
-        if is_of(ProgramDocument, file)
-        for patch in _of_document(file, request.library.text(file))
-    ]
-    first = _FIRST.get(kind, ())
-    return sorted(
-        made, key=lambda p: first.index(p.keys[-1]) if p.keys[-1] in first else len(first)
-    )
-
-
-def try_patches(
-    request: RunRequest,
-    read: Read,
-    seed: int,
-    kind: str,
-    backend: str,
-    cameras: str | None,
-    context: str | None,
-) -> tuple[int, TriedPatch | None]:
+def patched(
+    what: str, options: RunOptions, row: Mapping[str, Any], *, apply: bool
+) -> dict[str, Any]:
     """Try changes on the seed of a failure, with the same world and noise, and then on others.
 
     Args:
-        request: Program that failed.
-        read: Function that reads it with other contents of files.
-        seed: Seed of the failure.
-        kind: Kind of its cause.
-        backend: Name of the backend.
-        cameras: Kind of cameras.
-        context: Context of the stage.
+        what: Program that failed.
+        options: Options of its run.
+        row: Diagnosis of the failure.
+        apply: True to write the best change to its document.
 
     Returns:
         Number of tried changes, and the best one; ``None`` if none raised the rate of success.
+
+    Raises:
+        UsageError: The document to be changed is shipped with the package.
     """
-    tried, helped = 0, list[TriedPatch]()
-    with open_robot(request, backend=backend, cameras=cameras) as robot:
+    request, seed = options.request(what), row["seed"]
+    tried, before, helped = 0, -1, list[tuple[int, Patch]]()
+    with open_robot(request, backend=options.backend, cameras=options.cameras) as robot:
 
-        def count(program: RunRequest, seeds: range | list[int]) -> int:
+        def count(program: RunRequest, seeds: Iterable[int]) -> int:
             own = robot.with_program(program)
-            return sum(own.run(each, context=context).succeeded for each in seeds)
+            return sum(own.run(each, context=options.context).succeeded for each in seeds)
 
-        fresh, before = [seed + each for each in _FRESH], -1
-        for patch in patches(request, kind):
+        fresh = [seed + each for each in _FRESH]
+        for patch in patches(request, "" if row["cause"] is None else row["cause"]["kind"]):
             try:
-                changed = read({patch.file: encoded(patch.text)})
+                changed = options.request(what, {patch.file: encoded(patch.text)})
             except (DiagnosticsError, UsageError):
                 continue  # a value that does not check is no patch
             tried += 1
             if count(changed, [seed]):
                 before = count(request, fresh) if before < 0 else before
-                helped.append(TriedPatch(patch, before, count(changed, fresh)))
+                helped.append((count(changed, fresh), patch))
             if tried == _MOST or len(helped) == _CHOSEN:
                 break
-    best = max(helped, key=lambda each: each.after, default=None)
-    return tried, best if best is not None and best.after > best.before else None
+    after, best = max(helped, key=lambda each: each[0], default=(before, None))
+    if best is None or after <= before:
+        return {"tried": tried, "patch": None}
+    if apply and best.file.is_relative_to(shipped()):
+        raise UsageError(f"{best} would change a shipped document: copy it beside the program")
+    if apply:
+        write_text(best.text, best.file, follow=True)
+    rates = {"before": before, "after": after, "seeds": len(fresh)}
+    return {"tried": tried, "patch": {"edit": str(best), "applied": apply, **rates}}
 
 
-def _of_document(file: Path, text: str) -> Iterator[Patch]:
-    """Yield the changes of a document's numbers."""
-    lines = text.splitlines(keepends=True)
-    for keys, node in _leaves(compose(text, str(file)).root):
-        place, last = node.place, keys[-1] if keys else ""
-        line = lines[place.line - 1]
-        written = line[place.column - 1 : place.end_column - 1] if place.end_column else ""
-        number = _NUMBER.match(written)
-        # A force along normals is no goal of a motion, unlike a place.
-        is_goal = last == "reference" and " along " not in written
-        if number is None or is_goal:
-            continue
-        for factor in _FACTORS.get(str(last), ()):
-            after = f"{float(number[0]) * factor:.4g}{written[number.end() :]}"
-            begin, end = line[: place.column - 1], line[place.column - 1 + len(written) :]
-            changed = [*lines[: place.line - 1], begin + after + end, *lines[place.line :]]
-            yield Patch(file, place.line, keys, written, after, "".join(changed))
+def patches(request: RunRequest, kind: str) -> list[Patch]:
+    """Return the changes that may help against a kind of cause, the likeliest first."""
+    library, made = request.library, list[Patch]()
+    for file in library.files:
+        if is_of(ProgramDocument, file):
+            text = library.text(file)
+            made += _of_node(file, text, compose(text, str(file)).root, ())
+    order: dict[str | int, int] = {key: place for place, key in enumerate(_FIRST.get(kind, ()))}
+    return sorted(made, key=lambda each: order.get(each.keys[-1], len(order)))
 
 
-def _leaves(
-    node: Node, keys: tuple[str | int, ...] = ()
-) -> Iterator[tuple[tuple[str | int, ...], Node]]:
-    """Yield the scalars of a document with their keys."""
-    if not isinstance(node.value, dict | list):
-        yield keys, node
+def _of_node(file: Path, text: str, node: Node, keys: tuple[str | int, ...]) -> Iterator[Patch]:
+    """Yield the changes of the numbers of a value of a document."""
     for step, child in node.steps():
-        yield from _leaves(child, (*keys, step))
+        yield from _of_node(file, text, child, (*keys, step))
+    place, key = node.place, str(keys[-1]) if keys else ""
+    if isinstance(node.value, dict | list) or key not in _FACTORS or not place.end_column:
+        return
+    written = lines_of(text)[place.line - 1][place.column - 1 : place.end_column - 1]
+    number = _NUMBER.match(written)
+    # A force along normals is no goal of a motion, unlike a place.
+    if number is None or (key == "reference" and " along " not in written):
+        return
+    for factor in _FACTORS[key]:
+        after = f"{float(number[0]) * factor:.4g}{written[number.end() :]}"
+        changed = replaced(text, [Fix(place.line, place.column, place.end_column, after)])
+        yield Patch(file, place.line, keys, written, after, changed)

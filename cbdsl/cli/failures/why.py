@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, Any
@@ -19,7 +18,6 @@ from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 from cbdsl.cli.run import RunOptions
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-from cbdsl.yaml_text.library import shipped
 
 if TYPE_CHECKING:
     from cbdsl.reporting.why.history import History
@@ -36,8 +34,6 @@ Page = Annotated[
     Path | None,
     typer.Option("--page", help="File for a page of the first failed episode (.html)."),
 ]
-
-
 Try = Annotated[
     bool,
     typer.Option(
@@ -84,7 +80,9 @@ def why(
             row = diagnosis_row(history, diagnosis)
             row["changed"] = _changed(history)
             if (try_ or apply) and diagnosis.failed:
-                row |= _patched(what, options, row, apply=apply)
+                from cbdsl.cli.failures.patches import patched
+
+                row |= patched(what, options, row, apply=apply)
             print(json.dumps(row, ensure_ascii=False) if as_json else _text(row), flush=True)
             unknown |= diagnosis.failed and diagnosis.cause is None
             if page is not None and diagnosis.failed:
@@ -124,28 +122,6 @@ def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
 def _is_recording(what: str) -> bool:
     path = Path(what)
     return path.is_dir() or path.suffix in (".json", ".npz")
-
-
-def _patched(
-    what: str, options: RunOptions, row: Mapping[str, Any], *, apply: bool
-) -> dict[str, Any]:
-    """Return the number of tried changes and the best one, which is written if requested."""
-    from cbdsl.cli.failures.patches import try_patches
-    from cbdsl.storage.atomic_file import write_text
-
-    kind = "" if row["cause"] is None else row["cause"]["kind"]
-    request, read = options.request(what), partial(options.request, what)
-    place = options.backend, options.cameras, options.context
-    tried, best = try_patches(request, read, row["seed"], kind, *place)
-    if best is None:
-        return {"tried": tried, "patch": None}
-    patch = best.patch
-    if apply and patch.file.is_relative_to(shipped()):
-        raise UsageError(f"{patch} would change a shipped document: copy it beside the program")
-    if apply:
-        write_text(patch.text, patch.file, follow=True)
-    rates = {"before": best.before, "after": best.after, "seeds": best.seeds}
-    return {"tried": tried, "patch": {"edit": str(patch), "applied": apply, **rates}}
 
 
 def _changed(history: History) -> str:
