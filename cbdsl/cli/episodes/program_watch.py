@@ -137,24 +137,11 @@ def watched_program(
     *,
     prints: bool,
 ) -> ProgramWatch:
-    """Return a watch that prints its reports, and shows them on a page.
-
-    Args:
-        request: Request that runs.
-        read: Function that reads the request again.
-        offer: Function that receives an edited program.
-        view: View of the page, or ``None``.
-        prints: True if messages go to the standard output.
-    """
+    """Return a watch that prints its reports, by default as errors, and shows them on a page."""
 
     def report(text: str, findings: Sequence[str] = ()) -> None:
-        lines = (text, *(f"  {each}" for each in findings))
-        print(
-            *(f"  {line}" for line in lines),
-            sep="\n",
-            flush=True,
-            file=None if prints else sys.stderr,
-        )
+        lines = (f"  {text}", *(f"    {each}" for each in findings))
+        print(*lines, sep="\n", flush=True, file=None if prints else sys.stderr)
         if view is not None:
             view.keep(message("watch", {"text": text.strip(), "findings": list(findings)}))
 

@@ -98,7 +98,8 @@ def patched(
             if count(changed, [seed]):
                 before = count(request, fresh) if before < 0 else before
                 helped.append((count(changed, fresh), patch))
-            if tried == _MOST or len(helped) == _CHOSEN:
+            is_best = bool(helped) and helped[-1][0] == len(fresh)
+            if is_best or tried == _MOST or len(helped) == _CHOSEN:
                 break
     after, best = max(helped, key=lambda each: each[0], default=(before, None))
     if best is None or after <= before:

@@ -64,18 +64,13 @@ class LiveView(EpisodeObserver):
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
         """Begin an episode; see ``EpisodeObserver.begin``."""
         self._number += 1
-        resources = [each for each in resources_of(program) if not each.is_drawn]
-        self._places = [each for each in resources if is_place(each)]
-        self._names, self._known = [], set()
-        self._shown, self._last = 0.0, None
+        self._known, self._shown, self._last = set(), 0.0, None
         header = {
             "number": self._number,
-            "program": program.name,
             "stage": stage,
             "seed": seed,
-            "members": members(program),
-            "points": [each.name for each in self._places],
             "past": self._past[-_KEPT:],
+            **self._follow(program),
         }
         self._feed.begin(message("episode", header))
         # `Feed.begin` drops all messages, even a catalog that is still valid.
@@ -110,18 +105,18 @@ class LiveView(EpisodeObserver):
         if self._last is None:
             return
         run = self._last.run
-        resources = [each for each in resources_of(run.program) if not each.is_drawn]
-        self._places = [each for each in resources if is_place(each)]
-        self._names = []
         if self._composer is not None:
             self._composer.begin(run)
-        content = {
-            "text": f"{edit.time:.2f} s  {edit}",
-            "program": run.program.name,
-            "members": members(run.program),
-            "points": [each.name for each in self._places],
-        }
+        content = {"text": f"{edit.time:.2f} s  {edit}", **self._follow(run.program)}
         self._feed.append(message("edit", content))
+
+    def _follow(self, program: CheckedProgram) -> dict[str, object]:
+        """Show the places of a program from now on, and return its parts of a message."""
+        resources = [each for each in resources_of(program) if not each.is_drawn]
+        self._places = [each for each in resources if is_place(each)]
+        self._names = []
+        points = [each.name for each in self._places]
+        return {"program": program.name, "members": members(program), "points": points}
 
     def note_tick(self, tick: Tick) -> None:
         """Note a tick; see ``EpisodeObserver.note_tick``."""
