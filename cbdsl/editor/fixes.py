@@ -47,7 +47,7 @@ def fix(diagnostic: Diagnostic, lines: Sequence[str]) -> Fix | None:
 def fixed(text: str, diagnostics: Iterable[Diagnostic]) -> str:
     """Return a text with all corrections of its diagnostics, none of which overlap."""
     lines = lines_of(text)
-    return replaced(text, {each for found in diagnostics if (each := fix(found, lines))})
+    return replaced(text, {each for diagnostic in diagnostics if (each := fix(diagnostic, lines))})
 
 
 def replaced(text: str, fixes: Iterable[Fix]) -> str:
