@@ -39,4 +39,4 @@ def check_own_calibration(
     if not isinstance(calibration, Unknown) and calibration.document.robot != robot:
         other = calibration.document.robot
         place = loaded.source.place("calibration")
-        diagnostics.add("CB603", place, name=name, other=other, robot=robot, hint="")
+        diagnostics.add("CB603", place, name=name, other=other, robot=robot)

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cbdsl.checking.lookup.document_search import find_document, first_stage, for_robot
+from cbdsl.checking.lookup.document_search import find_document, for_robot
 from cbdsl.checking.program_context import Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
@@ -148,9 +148,8 @@ class Dependencies:
         names = for_robot(kind, robot, self._loaded.path, library)
         related = [(source.place("robot"), f"this program is for '{robot}'")]
         details = {"name": name, "other": other, "robot": robot, "given": ""}
-        hint = "" if names else first_stage(kind, robot)
         place = source.place(*steps)
-        self._diagnostics.add("CB603", place, names=names, related=related, hint=hint, **details)
+        self._diagnostics.add("CB603", place, names=names, related=related, **details)
         self._others.add(other)
         return False
 

@@ -151,7 +151,7 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
 
 def _stage(robot: RobotDocument) -> str:
     """Return the line of a program that names a stage of its robot, or a comment."""
-    names = for_robot(StageDocument, robot.name, None, Library())
+    names = for_robot(StageDocument, robot.name, None, Library(), others=())
     if names:
         return f"stage: {names[0]}"
     return f"# stage: one of {robot.name}'s, such as cb new stage NAME --robot {robot.name} writes"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from cbdsl.diagnostics.diagnostic import Place
@@ -9,7 +10,7 @@ from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.document import Document
-from cbdsl.documents.kinds import kind_name, kind_of
+from cbdsl.documents.kinds import kind_of
 from cbdsl.types.relative import ANY_ROBOT
 from cbdsl.yaml_text.library import Library
 
@@ -45,19 +46,18 @@ def find_document(
     )
     # A document cannot use itself, so that its own name is not a useful suggestion.
     names = [each for each in names if each != own]
-    hint = "" if robot is None or names else first_stage(kind, robot)
-    diagnostics.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)
+    diagnostics.add(kind_of(kind).unknown, place, names=names, name=name)
     return UNKNOWN
 
 
-def first_stage(kind: type[Document], robot: str) -> str:
-    """Return how to create a robot's first stage; empty for other kinds of documents."""
-    if kind_name(kind) != "stage":
-        return ""
-    return f"; robot '{robot}' has none yet, and cb new stage NAME --robot {robot} writes one"
-
-
-def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Library) -> list[str]:
+def for_robot(
+    kind: type[Document],
+    robot: str,
+    beside: Path | None,
+    library: Library,
+    *,
+    others: Sequence[str] = (ANY_ROBOT,),
+) -> list[str]:
     """Return the names of the documents of a kind that are for a robot.
 
     Args:
@@ -65,6 +65,7 @@ def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Li
         robot: Robot's name.
         beside: File that would name them, if there is one.
         library: Library that finds documents by name.
+        others: Robots whose documents are for this one, too.
     """
     suitable = []
     key = next((k for k, of in kind_of(kind).references.items() if of == "robot"), "")
@@ -74,6 +75,6 @@ def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Li
             document = None if file is None else library.read_sound_parts(file, kind).document
         except DiagnosticsError:
             continue
-        if getattr(document, key, None) in (robot, ANY_ROBOT):
+        if getattr(document, key, None) in (robot, *others):
             suitable.append(name)
     return suitable

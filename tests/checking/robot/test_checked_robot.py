@@ -49,7 +49,7 @@ def _with_its_programs(name: str, folder: Path) -> list[Path]:
     for path in (shipped() / "robots").glob(f"{name}.*"):
         shutil.copy(path, folder / "robots")
     shutil.copytree(shipped() / "programs/stages/meshes", folder / "programs/stages/meshes")
-    used = re.compile(f"^robot: {name}$", re.MULTILINE)
+    used = re.compile(f"^robot: ({name}|any)$", re.MULTILINE)
     for place in ("programs", "programs/stages", "knowledge/models"):
         (folder / place).mkdir(parents=True, exist_ok=True)
         for path in (shipped() / place).glob("*.yaml"):
