@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.documents.document import Document
 from cbdsl.documents.kind import Kind
@@ -24,6 +25,9 @@ from cbdsl.yaml_text.composer import MOST_BYTES
 from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.reader import decode, flawless, read_sound_parts, read_text
+
+if TYPE_CHECKING:
+    from cbdsl.yaml_text.shared_parts import SharedPart
 
 D = TypeVar("D", bound=Document)
 
@@ -53,6 +57,7 @@ class Library:
         self._given = {Path(os.path.realpath(path)): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
         self._bound: dict[Path, Loaded[Any]] = {}
+        self._parts: dict[Path, Mapping[str, SharedPart]] = {}
         self._files_by_name: dict[tuple[type[Document], str, Path | None], Path] = {}
         self._named: dict[Path, set[Path]] = {}
         self._real: dict[Path, Path] = {}
@@ -174,6 +179,23 @@ class Library:
                 self._read[key] = with_shared(loaded, self)
         return self._read[key]
 
+    def shared_parts(self, path: Path) -> Mapping[str, SharedPart]:
+        """Return the parts of a shared document by name, or those of an earlier call.
+
+        Raises:
+            DiagnosticsError: The file is not a valid document, or has a part that cannot be called.
+        """
+        from cbdsl.documents.shared import SharedDocument  # few programs take any up
+        from cbdsl.yaml_text.shared_parts import shared_parts
+
+        key, faults = self.real(path), Diagnostics()
+        if key not in self._parts:
+            parts = shared_parts(self.read(path, SharedDocument), faults)
+            if faults.failed:
+                raise DiagnosticsError(faults.sorted())
+            self._parts[key] = parts
+        return self._parts[key]
+
     def bind(self, loaded: Loaded[Any]) -> None:
         """Let readers of a program with roles see it with a robot in them, until the next one."""
         self._bound[self.real(loaded.path)] = loaded
@@ -194,6 +216,7 @@ class Library:
         if "shared" in kinds:
             # Any program may hold parts of it.
             self._read.clear()
+            self._parts.clear()
         if len(kinds) > 1:
             # A name refers to a file of one kind alone.
             self._files_by_name.clear()

@@ -37,7 +37,7 @@ class SharedDocuments(Protocol):
 
     def names(self, kind: type[SharedDocument], beside: Path | None) -> list[str]: ...
 
-    def read(self, path: Path, kind: type[SharedDocument]) -> Loaded[SharedDocument]: ...
+    def shared_parts(self, path: Path) -> Mapping[str, SharedPart]: ...
 
 
 class SharedPart(NamedTuple):
@@ -314,16 +314,11 @@ class _TakingUp:
             names = self._library.names(SharedDocument, self._loaded.path)
             self._faults.add("CB628", place, names=names, name=name, hint="")
             return {}
-        faults = Diagnostics()
         try:
-            loaded = self._library.read(file, SharedDocument)
-            parts = shared_parts(loaded, faults)
+            return self._library.shared_parts(file)
         except DiagnosticsError as error:
-            faults.extend(error.diagnostics)
-        if faults.failed:
-            self._faults.extend(faults.sorted())
+            self._faults.extend(error.diagnostics)
             return {}
-        return parts
 
     def _take_up(self, part: SharedPart, call: Term, place: Place, name: str) -> None:
         if name in self._nodes[part.section]:
