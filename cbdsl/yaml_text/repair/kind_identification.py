@@ -75,9 +75,10 @@ def _wrong_kind(
     return diagnose("CB210", place, said=declared, found=suggestion, keys=keys)
 
 
-# The evidence for a kind is the number of the document's keys that the kind has. The number of its
-# required keys that the document lacks is subtracted. Another kind is suggested only if it is the
-# single best one and exceeds the declared kind by a margin.
+# The evidence for a kind is the number of the document's keys that the kind has. Keys of all kinds
+# do not count. The number of its required keys that the document lacks is subtracted. Another kind
+# is suggested only if it is the single best one and exceeds the declared kind by a margin. If no
+# known kind is declared, any evidence is enough.
 def kind_by_keys(
     keys: Iterable[str], declared: str | None, kinds: Mapping[str, type[Document]]
 ) -> str | None:
@@ -94,9 +95,9 @@ def kind_by_keys(
     given = frozenset(keys)
     evidence = {kind: _evidence(given, model) for kind, model in kinds.items()}
     best = max(evidence, key=lambda kind: evidence[kind])
-    least = evidence.get(declared, 0) if declared is not None else 0
+    least = evidence[declared] + _LEAST_EVIDENCE if declared in evidence else 1
     is_clear = sum(number == evidence[best] for number in evidence.values()) == 1
-    return best if is_clear and evidence[best] >= least + _LEAST_EVIDENCE else None
+    return best if is_clear and evidence[best] >= least else None
 
 
 def telling_keys(
@@ -111,4 +112,5 @@ def _evidence(keys: frozenset[str], model: type[Document]) -> int:
     """Return the number of keys that match a kind, minus its missing required keys."""
     required = {name for name, field in model.model_fields.items() if field.is_required()}
     required |= {key for key, other in model.alternatives.items() if other not in keys}
-    return len(keys & model.model_fields.keys()) - len(required - keys)
+    common = Document.model_fields.keys() | {"kind"}
+    return len((keys & model.model_fields.keys()) - common) - len(required - keys - common)
