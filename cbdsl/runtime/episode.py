@@ -110,7 +110,7 @@ class Runner:
         self._observer = _SILENT
 
     def offer(self, program: CheckedProgram) -> None:
-        """Go on as an edited program from the next change of state; call it between ticks.
+        """Go on as an edited program from the next change of state or episode, between ticks.
 
         The world, the references and the memories of objects stay. Observers are notified when
         the program or one that it uses is replaced.
@@ -123,8 +123,6 @@ class Runner:
         if look_for is not None:
             look_for(self.signals.vision.channels)
         self._run.offer(program, self._note_edit)
-        if self._run.predicate != "0":
-            self._run.deactivate()
 
     def _note_edit(self, edit: EditTaken) -> None:
         if edit.depth == 0:
@@ -190,6 +188,7 @@ class Runner:
         began = time.perf_counter()
         begun: _Begun | None = None
         self._observer = observer
+        self._run.deactivate()  # which takes up an edit after the last change of state
         observer.begin(self._program, stage.name, seed)
         try:
             # The world and the program draw from separate streams, so that a program that draws

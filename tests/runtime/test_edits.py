@@ -254,6 +254,18 @@ def test_edit_after_the_end_belongs_to_the_next_episode(
     assert runner.run(made_stage({}), 0).actions[-1] == "far"
 
 
+def test_edit_at_the_last_tick_keeps_the_outcome_of_its_episode(edit: Edit, check: Check) -> None:
+    steps = "{near: {then: succeed}, far: {then: near}}"
+    before = check(shuttle(steps=steps))
+    last = edit(before, {}).ticks - 1
+    played = edit(before, {last: check(shuttle(ELSEWHERE, steps=steps))})
+    assert played.ticks == last + 1
+    assert played.result is not None
+    assert played.result.succeeded
+    assert played.result.outcome == "success"
+    assert len(played.taken) <= 1
+
+
 class Writer:
     """Writer of random edits: steps and controllers that come, go, move and change their names."""
 
