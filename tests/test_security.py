@@ -222,6 +222,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     "person at the client to each run.": (
         f"{_MCP}test_real_robot_does_not_move_without_a_person",
         f"{_MCP}test_robot_of_a_name_is_that_of_the_folder",
+        f"{_MCP}test_program_that_changes_robots_during_the_question_is_refused",
     ),
     "The client passes the question on, so that a client that is not trusted can answer it.": (
         f"{_MCP}test_yes_of_a_client_starts_the_run",

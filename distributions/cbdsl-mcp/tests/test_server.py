@@ -275,6 +275,21 @@ def test_yes_of_a_client_starts_the_run(folder: Path, commands: list[tuple[str, 
     assert "--yes" in commands[0]
 
 
+def test_program_that_changes_robots_during_the_question_is_refused(
+    folder: Path, commands: list[tuple[str, ...]]
+) -> None:
+    async def answer(*_: Any) -> Any:
+        shutil.copy(ROOT / "programs" / "searchtrack.yaml", folder / "raise_arm.yaml")
+        return mcp.types.ElicitResult(action="accept", content={"may_move": True})
+
+    async def do(client: Any) -> None:
+        message = await refused(client, "run", program="raise_arm.yaml", backend="ros2")
+        assert "raise_arm.yaml is for dexter" in message
+
+    served(folder, do, hardware="sixaxis", answer=answer)
+    assert not commands
+
+
 def test_client_that_cannot_ask_a_person_is_refused(
     folder: Path, commands: list[tuple[str, ...]]
 ) -> None:
