@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cbdsl.documents.robot import Effector, RobotDocument
-from cbdsl.kinematics.ready_posture import PLACING, ReadyPosture
+from cbdsl.robot.link_place import PLACING, at_first, link_frame, within
 from cbdsl.robot.urdf import UrdfError, UrdfModel, Vector
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.types.unit import read_quantity
@@ -112,12 +112,23 @@ class _Limb:
 
     def __init__(self, model: UrdfModel, limb: Effector) -> None:
         assert limb.tip is not None
-        joints = [model.joints[name] for name in limb.joints]
-        row = ReadyPosture(model, joints, limb.tip.link, limb.tip.offset)
-        self.length, self.shoulder = row.length, row.shoulder
-        self.tip = row.tip_at(limb.postures.get(limb.start or "", row.at_first))
-        ends = map(row.tip_at, limb.postures.values())
+        self._model, self._limb, self._end = model, limb, limb.tip
+        way = model.way(limb.tip.link)[::-1]
+        self._positions = {joint.name: at_first(joint) for joint in way if joint.movable}
+        first = next(i for i, joint in enumerate(way) if joint.name in limb.joints)
+        beyond = sum(math.hypot(*joint.origin.xyz) for joint in way[first + 1 :])
+        self.length = (beyond or 1.0) + math.hypot(*limb.tip.offset)
+        above = link_frame(model, self._positions, way[first].parent)
+        self.shoulder = within(above, way[first].origin.rotation, way[first].origin.xyz)[1]
+        self.tip = self._tip_at(limb.postures.get(limb.start or "", ()))
+        ends = map(self._tip_at, limb.postures.values())
         self.lowest = min((end[2] for end in ends), default=self.tip[2])
+
+    def _tip_at(self, posture: Sequence[float]) -> Sequence[float]:
+        """Return the position of the tip, m, at a posture, or at first if that is empty."""
+        given = dict(zip(self._limb.joints, posture, strict=bool(posture)))
+        frame = link_frame(self._model, self._positions | given, self._end.link)
+        return within(frame, frame[0], self._end.offset)[1]
 
 
 def _before(limbs: Sequence[_Limb]) -> Bench:

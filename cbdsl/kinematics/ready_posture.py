@@ -11,15 +11,13 @@ from cbdsl.kinematics.coordinate_ascent import ascend
 from cbdsl.kinematics.joint_tree import JointTree, PlacedJoint
 from cbdsl.kinematics.pose import axis_of
 from cbdsl.numeric.arrays import Floats
+from cbdsl.robot.link_place import OUTER, PLACING, at_first
 from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel, Vector
 from cbdsl.robot.weight import overloads
 
-# Candidate angles: step, and largest absolute value. The outer part of a joint's range is excluded.
+# Candidate angles: step, and largest absolute value.
 _STEP = math.radians(15)
 _FARTHEST = math.radians(120)
-_OUTER = 0.1
-#: Fewest joints that move a tip in three directions.
-PLACING = 3
 # Fewest joints that also turn it.
 _TURNING = 6
 _SWEEPS = 6
@@ -117,11 +115,6 @@ class ReadyPosture:
         """Return the position of the tip in the root's frame, m."""
         return _vector(self._points(positions)[-1])
 
-    @property
-    def shoulder(self) -> Vector:
-        """Position of the first joint in the root's frame, m."""
-        return _vector(self._points(self.at_first)[0])
-
     def _beyond(self) -> list[UrdfJoint]:
         """Return the joints beyond the first one of the chain."""
         names = [joint.name for joint in self._tree.joints]
@@ -187,30 +180,13 @@ class ReadyPosture:
         return joints, np.array([*(placed.frame.position for placed in joints), tip])
 
 
-def at_first(joint: UrdfJoint) -> float:
-    """Return zero if it is well within a joint's range, else the middle of it; rad or m.
-
-    Without such a range, return the position nearest to zero within the limits.
-    """
-    span = joint.upper - joint.lower
-    if not 0.0 < span < math.inf:
-        return joint.rest
-    margin = _OUTER * span
-    if joint.lower + margin <= 0.0 <= joint.upper - margin:
-        return 0.0
-    middle = (joint.lower + joint.upper) / 2
-    whole = math.radians(round(math.degrees(middle)))
-    is_angle = not joint.slides and joint.lower + margin <= whole <= joint.upper - margin
-    return whole if is_angle else round(middle, 4)
-
-
 def _choices(joint: UrdfJoint) -> list[float]:
     """Return the candidate positions, the smallest turns first."""
     bounded = math.isfinite(joint.upper - joint.lower)
     if joint.slides:
         parts = (0.25, 0.5) if bounded else ()
         return [round(joint.lower + part * (joint.upper - joint.lower), 4) for part in parts]
-    margin = _OUTER * (joint.upper - joint.lower) if bounded else 0.0
+    margin = OUTER * (joint.upper - joint.lower) if bounded else 0.0
     steps = range(round(-_FARTHEST / _STEP), round(_FARTHEST / _STEP) + 1)
     angles = [round(step * _STEP, 9) for step in sorted(steps, key=lambda step: (abs(step), step))]
     return [a for a in angles if joint.lower + margin <= a <= joint.upper - margin]

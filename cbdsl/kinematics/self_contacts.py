@@ -12,7 +12,7 @@ import numpy as np
 from cbdsl.kinematics.joint_tree import JointTree
 from cbdsl.kinematics.link_shapes import convex_hull
 from cbdsl.kinematics.pose import Pose
-from cbdsl.kinematics.ready_posture import at_first
+from cbdsl.robot.link_place import at_first
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfShape
 
 LinkPair = tuple[str, str]

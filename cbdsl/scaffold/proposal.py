@@ -29,8 +29,9 @@ from cbdsl.diagnostics.counting import count, some
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.legible_text import legible, seen
 from cbdsl.kinematics.joint_tree import JointTree
-from cbdsl.kinematics.ready_posture import PLACING, ReadyPosture, at_first
+from cbdsl.kinematics.ready_posture import ReadyPosture
 from cbdsl.robot.chains import Chain, chains, root
+from cbdsl.robot.link_place import PLACING, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
 from cbdsl.robot.tip_frame import is_acting, shape_corners, tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints

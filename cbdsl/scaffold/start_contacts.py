@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from cbdsl.kinematics.ready_posture import PLACING
+from cbdsl.robot.link_place import PLACING
 from cbdsl.robot.semantic_groups import SemanticGroup
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel
 from cbdsl.robot.weight import overloads

@@ -9,8 +9,9 @@ import numpy as np
 import pinocchio
 import pytest
 
-from cbdsl.kinematics.ready_posture import ReadyPosture, at_first
+from cbdsl.kinematics.ready_posture import ReadyPosture
 from cbdsl.robot.chains import Chain, chains
+from cbdsl.robot.link_place import at_first, link_frame
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.robot.weight import weights
@@ -53,6 +54,10 @@ def test_tip_position_agrees_with_pinocchio(name: str) -> None:
         positions = row.find()
         place, _ = _kinematics(model.path, chain, positions)
         assert np.allclose(row.tip_at(positions), place, atol=1e-9), chain.name
+        first = {joint.name: at_first(joint) for joint in model.joints.values() if joint.movable}
+        given = dict(zip((joint.name for joint in chain.joints), positions, strict=True))
+        at = link_frame(model, first | given, chain.tip)[1]
+        assert np.allclose(at, place, atol=1e-9), chain.name
 
 
 @pytest.mark.parametrize("name", [*ARMS, *LEGS])
