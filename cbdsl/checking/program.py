@@ -254,7 +254,7 @@ class _ProgramCheck:
         entries = getattr(self._document, section, {})
         if source.declared(entries, section).get(details.get("name", "")) is UNKNOWN:
             return
-        if code == "CB616" and source.broken.holds("shared"):
+        if code == "CB616" and source.broken.is_below(("shared",)):
             return
         place = source.key(*path) if spot.is_key else source.place(*path)
         if spot.span is not None:

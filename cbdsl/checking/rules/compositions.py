@@ -203,7 +203,7 @@ class Compositions:
     def _missing(self, term: Term, steps: Steps) -> None:
         """Report a term without a controller of its name, unless its declaration may be lost."""
         document, place = self._context.document, self._context.at(steps, term.span)
-        if self._context.source.broken.holds("shared"):
+        if self._context.source.broken.is_below(("shared",)):
             return
         if term.name in document.use:
             self._context.used.add(term.name)
