@@ -281,8 +281,12 @@ class _TakingUp:
         return self._merged()
 
     def _is_own(self, name: str) -> bool:
-        document = self._loaded.document
-        return name in document.controllers or name in document.use or name in document.conditions
+        # An entry with a fault is left out of its section, and still declares its name.
+        document, source = self._loaded.document, self._loaded.source
+        return any(
+            name in source.declared(getattr(document, section), section)
+            for section in ("controllers", "use", "conditions")
+        )
 
     def _listed(self) -> Iterator[tuple[str, Place]]:
         for shared, names in self._loaded.document.shared.items():
