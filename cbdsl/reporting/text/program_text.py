@@ -19,6 +19,8 @@ from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import configuration
 
 _WIDTH = 80
+# Widest column of names; 37 columns are left for numbers.
+_COLUMN = 43
 
 
 def program_text(program: CheckedProgram) -> str:
@@ -190,13 +192,17 @@ def _action(program: CheckedProgram, action: Action) -> Iterator[str]:
     if action.program is not None:
         yield f"    runs program {action.program.name}, below"
     stack = levels(program, action)
+    # Calls of shared controllers can have many arguments: their numbers stand below them.
+    names = [level.controller.name for level in stack]
+    width = max((len(name) for name in names if len(name) <= _COLUMN), default=0)
     if stack:
-        width = max(len(level.controller.name) for level in stack)
         yield f"    {'':{width}}  joints  rows  free"
-    for level in stack:
+    for level, name in zip(stack, names, strict=True):
         numbers = f"{len(level.controller.joints):6}{level.rows:6}{level.free:6}"
         below = "  background" if level.background else ""
-        yield f"    {level.controller.name:{width}}  {numbers}{below}"
+        if len(name) > _COLUMN:
+            yield f"    {name}"
+        yield f"    {name if len(name) <= _COLUMN else '':{width}}  {numbers}{below}"
     yield from _item("rewarded", f"when {earning} comes to rest" if earning else "never", 4)
     for primitive in action.composition.primitives if action.composition else ():
         if primitive.earners and primitive.conditions:
