@@ -23,7 +23,8 @@ SHIPPED = sorted(
 
 
 def test_writer_tests_cover_every_kind() -> None:
-    assert set(DOCUMENTS) == set(KINDS)
+    own = {name for name, model in KINDS.items() if model.__module__.startswith("cbdsl.")}
+    assert set(DOCUMENTS) == own
 
 
 @pytest.mark.parametrize("kind", DOCUMENTS)

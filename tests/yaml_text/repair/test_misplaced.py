@@ -60,7 +60,14 @@ def is_possible(file: Path, path: tuple[Any, ...]) -> bool:
     return isinstance(outer, dict) and not outer.keys() & outer[path[-1]].keys()
 
 
-POSSIBLE = [(f, p) for f, p in CASES if is_possible(f, p) and all(isinstance(s, str) for s in p)]
+# Shared controllers are read as they are called: the check finds theirs.
+POSSIBLE = [
+    (file, path)
+    for file, path in CASES
+    if is_possible(file, path)
+    and all(isinstance(step, str) for step in path)
+    and file.parent.name != "shared"
+]
 
 
 @pytest.mark.parametrize("keep", [True, False], ids=["indented_too_little", "key_left_out"])
