@@ -17,7 +17,7 @@ from cbdsl.learning.catalogs.stack_plan import StackPlan, pairs_of, plan_stack, 
 from cbdsl.learning.catalogs.thing_graph import support_graph
 from cbdsl.learning.constants import AccommodateConstants, Form
 from cbdsl.learning.decisions import Decisions
-from cbdsl.learning.experience import EPISODES, Experience
+from cbdsl.learning.experience import Experience
 from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.learner import ASSIMILATE
 from cbdsl.numeric.affordance_model import AffordanceModel
@@ -26,7 +26,7 @@ from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.types.direction import DIRECTIONS
 
 __all__ = [
-    "ASSIMILATE", "DIRECTIONS", "EPISODES", "NOOP", "Accommodate", "AccommodateConstants",
+    "ASSIMILATE", "DIRECTIONS", "NOOP", "Accommodate", "AccommodateConstants",
     "ActionOutcome", "AffordanceModel", "Assimilate", "AssimilateConstants",
     "CatalogConstants", "Decisions", "Experience", "ExplorationConstants", "ExplorationStep",
     "Form", "ImpedanceGauge", "ImpedanceProfile", "ImpedanceTest", "StackPlan",

@@ -12,6 +12,7 @@ from cbdsl.backends import backend as backends
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.engines import installed_engines
 from cbdsl.backends.simulated_backend import SimulatedBackend
+from cbdsl.checking.stage.fitted_stage import fitted_stage
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.sensing.observation import Loads
@@ -39,7 +40,9 @@ BACKENDS: dict[str, type[Simulated]] = {
 
 
 def stage_named(name: str) -> StageDocument:
-    return LIBRARY.read(LIBRARY.locate(StageDocument, name), StageDocument).document
+    loaded = LIBRARY.read(LIBRARY.locate(StageDocument, name), StageDocument)
+    # A stage for any robot is that before the Panda.
+    return fitted_stage(loaded, robot_named("panda"), LIBRARY.locate(RobotDocument, "panda"))
 
 
 def robot_named(name: str) -> RobotDocument:

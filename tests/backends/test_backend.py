@@ -35,7 +35,7 @@ def test_import_of_an_engine_prints_nothing() -> None:
 
 def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"mirror": "far:Mirror"}})
-    with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mujoco, ros2, mirror"):
+    with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mujoco, mirror, ros2"):
         find_backend("bulet")
 
 

@@ -18,7 +18,8 @@ from cbdsl.api.documents import (
     digest_of_bytes,
 )
 from cbdsl.api.drawing import require_legible
-from cbdsl.api.learning import EPISODES, Experience
+from cbdsl.api.learning import Experience
+from cbdsl.api.trials import EPISODES
 from cbdsl.extend.backend import read_urdf
 from cbdsl.extend.command import MOST_BYTES, DiagnosticsError, UsageError, count, reason, rows_of
 from cbdsl.extend.document import Library, is_of
