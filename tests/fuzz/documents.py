@@ -21,6 +21,7 @@ NAMES = (
     *("program", "stage", "robot", "policy", "schema", "catalog", "meta_catalog", "model"),
     "calibration",
     "relations",
+    "shared",
 )
 _BAD = ROOT / "tests" / "checking" / "bad"
 _YAML = re.compile(r"^```yaml\n(.*?)^```$", re.DOTALL | re.MULTILINE)

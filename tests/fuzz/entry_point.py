@@ -26,6 +26,7 @@ MODULES: Mapping[str, str] = {
             *("program", "stage", "robot", "policy", "schema", "catalog", "meta_catalog", "model"),
             "calibration",
             "relations",
+            "shared",
         ),
         "documents",
     ),

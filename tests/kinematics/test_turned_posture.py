@@ -15,13 +15,20 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
+#: Fewest joints with which an arm places its last axis across the lines of sight of two cameras.
+FEWEST = 6
+
 
 def _arms() -> Iterator[tuple[str, str]]:
-    """Yield each shipped robot with cameras, with each of its effectors that has a tip."""
+    """Yield each shipped robot with cameras, with each of its arms that can turn in place."""
     library = Library(ROOT)
     for path in sorted((ROOT / "robots").glob("*.yaml")):
         robot = library.read(path, RobotDocument).document
-        tipped = [name for name, each in robot.effectors.items() if each.tip is not None]
+        tipped = [
+            name
+            for name, each in robot.effectors.items()
+            if each.tip is not None and len(each.joints) >= FEWEST
+        ]
         yield from ((robot.name, name) for name in tipped if robot.cameras)
 
 
