@@ -17,7 +17,7 @@ import yaml
 from tests.conftest import ROOT
 
 ACTION = yaml.safe_load((ROOT / "action.yml").read_text("utf-8"))
-RIGHT = (ROOT / "programs" / "reach.yaml").read_text("utf-8")
+RIGHT = (ROOT / "programs" / "let_go.yaml").read_text("utf-8")
 WRONG = RIGHT.replace("robot: dexter", "robot: dextre")
 
 
@@ -53,7 +53,7 @@ def outputs(runner: dict[str, str]) -> dict[str, str]:
 def checkout(tmp_path: Path) -> Path:
     folder = tmp_path / "checkout"
     (folder / "programs").mkdir(parents=True)
-    (folder / "programs" / "reach.yaml").write_text(RIGHT, "utf-8")
+    (folder / "programs" / "let_go.yaml").write_text(RIGHT, "utf-8")
     return folder
 
 
@@ -68,7 +68,7 @@ def test_action_passes_for_correct_documents(runner: dict[str, str], checkout: P
 def test_action_fails_with_annotations_and_sarif(runner: dict[str, str], checkout: Path) -> None:
     (checkout / "programs" / "wrong one.yaml").write_text(WRONG, "utf-8")
     paths = {
-        "CB_PATHS": "programs/reach.yaml\nprograms/wrong one.yaml\n",
+        "CB_PATHS": "programs/let_go.yaml\nprograms/wrong one.yaml\n",
         "CB_SARIF": "a/b c.sarif",
     }
     done = step("check", runner | paths, checkout)

@@ -15,6 +15,7 @@ from cbdsl.documents.form import BoxForm
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.ready_posture import ReadyPosture
+from cbdsl.robot.link_place import at_first, link_frame
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library, shipped
 from tests.cli.test_main import cb
@@ -133,11 +134,13 @@ def test_things_of_a_new_stage_are_within_a_limbs_reach(
     assert limb.tip is not None
     urdf = read_urdf(model)
     joints = [urdf.joints[name] for name in limb.joints]
-    row = ReadyPosture(urdf, joints, limb.tip.link, limb.tip.offset)
+    length = ReadyPosture(urdf, joints, limb.tip.link, limb.tip.offset).length
+    positions = {joint.name: at_first(joint) for joint in urdf.way(limb.tip.link) if joint.movable}
+    shoulder = link_frame(urdf, positions, joints[0].child)[1]
     table = stage.fixtures["table"]
-    assert isinstance(table.form, BoxForm) and row.length < 1.5
+    assert isinstance(table.form, BoxForm) and length < 1.5
     middle = [max(each) for each in table.position]
-    assert 0.3 * row.length < math.dist(row.shoulder, middle) < 1.2 * row.length
+    assert 0.3 * length < math.dist(shoulder, middle) < 1.2 * length
 
 
 def test_a_model_without_a_name_gets_the_robots(

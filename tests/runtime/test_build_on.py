@@ -10,16 +10,20 @@ import cbdsl
 from tests.conftest import ROOT
 
 _PROGRAM = ROOT / "programs" / "build_on.yaml"
+_STAYS = "stays: seen_still($goal, $base)"
+_STILLER = (
+    "stays: {potential: spring, reference: here, feedback: left.$goal.to.$base, effector: head,"
+    " gain: 1 /s, quiescence: {rate: 1e-14, window: 1 s, tolerance: 0.1}}"
+)
 _CONTEXT = "red_box_on_purple_box_on_blue_box"
 
 
 @pytest.mark.parametrize(
     ("bound", "stricter", "outcome", "reason"),
     [
-        ("tolerance: 8 cm", "tolerance: 8 cm", "success", ""),
-        ("tolerance: 8 cm", "tolerance: 1 mm", "failure", "the object is not above the stack"),
-        ("rate: 1e-4, window: 1 s, tolerance: 0.1", "rate: 1e-14, window: 1 s, tolerance: 0.1",
-         "failure", "the constellation of the stack did not stay as it was"),
+        ("8 cm, 1 s)", "8 cm, 1 s)", "success", ""),
+        ("8 cm, 1 s)", "1 mm, 1 s)", "failure", "the object is not above the stack"),
+        (_STAYS, _STILLER, "failure", "the constellation of the stack did not stay as it was"),
     ],
 )  # fmt: skip
 def test_build_on_states_an_outcome_whether_or_not_its_bounds_are_met(

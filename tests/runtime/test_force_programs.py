@@ -117,7 +117,7 @@ def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
     assert result.sim_seconds < 0.2
     assert result.ending == (
         f"Failed after {result.sim_seconds:.1f} s in state --XX: "
-        "hold felt nothing, and place and orient require it."
+        "hold felt nothing, and place and hold_down($arm, hold) require it."
     )
 
 

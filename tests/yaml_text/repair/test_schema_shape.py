@@ -17,12 +17,14 @@ from cbdsl.documents.form import (
     OpenBoxForm,
     TubeForm,
 )
+from cbdsl.documents.kinds import KINDS as ALL
 from cbdsl.documents.kinds import models
 from cbdsl.documents.program import ControllerSection, ProgramDocument
 from cbdsl.documents.stage import StageDocument, ThingSection
 from cbdsl.yaml_text.repair.schema_shape import SchemaShape
 
-KINDS = models()
+#: Models of all kinds but those of other packages.
+KINDS = {name: model for name, model in models().items() if ALL.is_builtin(name)}
 
 
 def _sections(
