@@ -22,7 +22,8 @@ _EQUALS = re.compile(r"\s*(?:- +)*(?P<key>[\w*-]+)\s*(?P<sign>:=|=>|->|=|;)\s*(?
 _COMMENT = re.compile(r"\s*(?P<sign>//|--|;|%)\s*(?P<text>.*)")
 # Most words of a line that may be a key and its value.
 _LONGEST_ENTRY = 7
-_NO_PROSE = re.compile(r"[\[{◁]|<\|")
+# Signs of compositions, comparisons and references.
+_NO_PROSE = re.compile(r"[\[{◁<>$]")
 
 
 def foreign_comment(reported: ReportedError) -> TextCorrection | None:
