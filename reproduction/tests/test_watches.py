@@ -158,11 +158,11 @@ def _tilted(degrees: float) -> Floats:
 @pytest.mark.parametrize(
     ("place", "tilt", "is_placed"),
     [
-        ((0.45, 0.30, 0.05), 0.0, True),
-        ((0.45, 0.315, 0.05), 90.0, True),
-        ((0.45, 0.325, 0.05), 0.0, False),
-        ((0.45, 0.30, 0.06), 0.0, False),
-        ((0.45, 0.30, 0.05), 12.0, False),
+        ((0.49, 0.294, 0.05), 0.0, True),
+        ((0.49, 0.309, 0.05), 90.0, True),
+        ((0.49, 0.319, 0.05), 0.0, False),
+        ((0.49, 0.294, 0.06), 0.0, False),
+        ((0.49, 0.294, 0.05), 12.0, False),
     ],
 )
 def test_gripper_counts_a_cube_flat_at_its_place(
