@@ -193,11 +193,11 @@ def _action(program: CheckedProgram, action: Action) -> Iterator[str]:
         yield f"    runs program {action.program.name}, below"
     stack = levels(program, action)
     # Calls of shared controllers can have many arguments: their numbers stand below them.
-    names = [level.controller.name for level in stack]
-    width = max((len(name) for name in names if len(name) <= _COLUMN), default=0)
+    members = [level.controller.name for level in stack]
+    width = max((len(name) for name in members if len(name) <= _COLUMN), default=0)
     if stack:
         yield f"    {'':{width}}  joints  rows  free"
-    for level, name in zip(stack, names, strict=True):
+    for level, name in zip(stack, members, strict=True):
         numbers = f"{len(level.controller.joints):6}{level.rows:6}{level.free:6}"
         below = "  background" if level.background else ""
         if len(name) > _COLUMN:
