@@ -20,7 +20,6 @@ from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Ra
 from cbdsl.cli.episodes.attendance import Interface, Yes, attend
 from cbdsl.cli.episodes.episode_page import recorded_for, require_page
 from cbdsl.cli.episodes.live import LiveOptions, live_page
-from cbdsl.cli.episodes.program_watch import ProgramWatch, watched_program
 from cbdsl.cli.episodes.recorder import Recorder
 from cbdsl.cli.episodes.simulation import BackendName, simulation
 from cbdsl.cli.output.notes import notes
@@ -32,6 +31,7 @@ from cbdsl.diagnostics.nearest import suggestion
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
+    from cbdsl.cli.episodes.program_watch import ProgramWatch
     from cbdsl.documents.stage import StageDocument
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.reporting.live.live_view import LiveView
@@ -282,10 +282,13 @@ def run(
             )
         composes = options.schema is None
         shown = replace(live, live_close=live.live_close or options.watch)
-        opening = live_page(shown, request, embodied, composes=composes, prints=prints)
-        view = within.enter_context(opening)
+        view = within.enter_context(
+            live_page(shown, request, embodied, composes=composes, prints=prints)
+        )
         watch = None
         if options.watch:
+            from cbdsl.cli.episodes.program_watch import watched_program  # imports numpy
+
             read = partial(options.request, program)
             watch = watched_program(request, read, runner.offer, view, prints=prints)
         telling = Telling(recorder, output.explain, output.as_json, view, watch)

@@ -170,3 +170,13 @@ def test_names_are_whole_on_a_narrow_terminal(
     monkeypatch.setattr("cbdsl.cli.output.terminal._WIDTH_OF_PIPES", 80)
     assert cb(monkeypatch, "show", "program", "reachtouch") == 0
     assert "…" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", [["--version"], ["run", "--help"], ["validate", "reach"]])
+def test_commands_of_the_checker_start_without_numpy(words: list[str]) -> None:
+    script = (
+        "import sys; sys.modules['numpy'] = sys.modules['numba'] = None; "
+        f"sys.argv[1:] = {words!r}; from cbdsl.cli.main import main; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
