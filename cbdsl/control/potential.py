@@ -145,8 +145,11 @@ def call_at(
     return types.float64(types.int64, *SIGNATURE.args), generate
 
 
-Prepare = Callable[[Floats, Floats, Sequence[Obstacle], Floats], None]
-"""Function that writes parameters from value, reference and obstacles before the tick."""
+Prepare = Callable[[Floats, Floats, Sequence[Obstacle], Floats], bool | None]
+"""Function that writes parameters from value, reference and obstacles before the tick.
+
+It returns True if the controller is not at rest, although its potential may stay the same.
+"""
 
 
 @dataclass(frozen=True)

@@ -135,6 +135,8 @@ class ControllerRun:
         self.preparation.draw()
         if self.preparation.computes:
             self._record["blocked"] = not self.preparation.prepare(self._parameters)
+            if self.preparation.moves:
+                self.restart_quiescence()
 
     @property
     def predicate(self) -> str:

@@ -31,6 +31,7 @@ class Preparation:
         computes: True if a preparation uses the signals of this tick.
         is_needed: True if there is anything to prepare.
         no_path: Reason why no free path leads to the reference; empty if one does.
+        moves: True if the potential states that the controller is not at rest in this tick.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class Preparation:
         self._is_renewed = self.samples or is_anchored
         self.computes = bool(self._changes) or self._solve is not None
         self.is_needed = self.samples or self.computes
-        self.no_path = ""
+        self.no_path, self.moves = "", False
 
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode with ``rng`` as the source of all samples."""
@@ -83,14 +84,14 @@ class Preparation:
         Raises:
             SignalError: If the reference is not finite; the message names it.
         """
-        table, rows = self._signals.table, self._rows
+        table, rows, self.moves = self._signals.table, self._rows, False
         if self._changes:
             self._change_reference()
         if self._solve is None or not all(map(table.is_defined, (rows.feedback, rows.reference))):
             return True
         try:
             value, goal = self._ends()
-            self._solve(value, goal, tuple(self._obstacles(goal)), parameters)
+            self.moves = bool(self._solve(value, goal, tuple(self._obstacles(goal)), parameters))
         # Without a path the controller is undefined in this tick, and the next tick tries again.
         except NoPathError as failure:
             self.no_path = str(failure)

@@ -26,10 +26,7 @@ from cbdsl.extend.document import (
 from cbdsl_onnx import network
 from cbdsl_onnx.model_file import ModelFacts, ModelFileError, TensorFacts, examine
 from cbdsl_onnx.network import InputSection, NetworkDocument, NormalisedSection
-from cbdsl_onnx.plan import InputPlan, NetworkPlan, Normalisation, OutputPlan
-
-#: Types of feedbacks whose values can be subtracted.
-SUBTRACTED = ("configuration", "position", "heading", "length", "force", "torque")
+from cbdsl_onnx.plan import SUBTRACTED, InputPlan, NetworkPlan, Normalisation, OutputPlan
 
 _ROUNDING = 1e-9
 _SIZES = {"orientation": 9, "pose": 12}

@@ -1,8 +1,8 @@
 """Potential of a network's output: half the square of the requested displacement.
 
-A controller is at rest once its potential stays the same. A network that moves its feedback at a
-constant velocity also keeps it the same, and is not at rest. The potential is therefore doubled in
-every other tick while the feedback moves, which changes neither its residual nor its minimum.
+A controller is at rest once its potential stays the same. The reference of a network moves with the
+feedback: at a constant velocity the potential also stays the same, but the controller is not at
+rest. A watch of the feedback therefore adds its motion to the criterion.
 """
 
 from __future__ import annotations
@@ -23,9 +23,7 @@ from cbdsl.extend.potential import (
     Setting,
     potential,
 )
-from cbdsl_onnx.plan import NetworkPlan
-
-_TYPES = frozenset({"configuration", "position", "heading", "length", "force", "torque"})
+from cbdsl_onnx.plan import SUBTRACTED, NetworkPlan
 
 # The law moves the feedback by half of the residual per time constant 1 / gain: Newton's step on
 # phi (Eq 3.18). A residual of 2 v / gain thus gives the velocity v.
@@ -38,7 +36,7 @@ LEARNED = PotentialType(
     name="learned",
     symbol="φ_n",
     equation="after Eq 3.1",
-    accepts=_TYPES,
+    accepts=frozenset(SUBTRACTED),
     reference=True,
     zero_minimum=True,
     residual=True,
@@ -64,35 +62,43 @@ def build(controller: Controller, setting: Setting) -> Potential:
         plan = reference.source.data
         if isinstance(plan, NetworkPlan) and plan.output.gives == "velocity":
             scale = _NEWTON / controller.gain
-    parameters = np.concatenate([[scale, 0.0], periods])
-    return Potential(requested, size, parameters=parameters, identity=True, prepare=_MotionWatch())
+    parameters, rest = np.concatenate([[scale], periods]), controller.quiescence
+    # A requested displacement within the range of rest is noise, and no motion towards a reference.
+    watch = _MotionWatch(math.sqrt(2.0 * rest.rate * rest.window) / scale)
+    return Potential(requested, size, parameters=parameters, identity=True, prepare=watch)
 
 
 class _MotionWatch:
-    """Watch of a feedback, which marks every other tick in which it moves."""
+    """Watch of a feedback that follows its reference.
 
-    def __init__(self) -> None:
+    Args:
+        least: Requested displacement up to which motion is ignored, in the feedback's unit.
+    """
+
+    def __init__(self, least: float) -> None:
+        self._least = least
         self._last: Floats | None = None
 
     def __call__(
         self, value: Floats, goal: Floats, obstacles: Sequence[object], parameters: Floats
-    ) -> None:
+    ) -> bool:
+        """Return whether the feedback has moved since the preceding tick."""
         moved = 0.0 if self._last is None else float(np.linalg.norm(value - self._last))
-        is_moving = moved > _MOVING * float(np.linalg.norm(goal - value))
-        parameters[1] = 1.0 - parameters[1] if is_moving else 0.0
+        requested = float(np.linalg.norm(goal - value))
         self._last = value.copy()
+        return requested > self._least and moved > _MOVING * requested
 
 
 @potential
 def requested(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Return half the squared scaled difference; parameters: scale, mark of motion, periods."""
+    """Return half the squared scaled difference; parameters: scale, and periods."""
     phi = 0.0
     for i in range(len(residual)):
-        apart, period = reference[i] - value[i], parameters[2 + i]
+        apart, period = reference[i] - value[i], parameters[1 + i]
         if math.isfinite(period):
             apart -= period * round(apart / period)
         residual[i] = parameters[0] * apart
         phi += 0.5 * residual[i] * residual[i]
-    return phi if parameters[1] == 0.0 else 2.0 * phi
+    return phi

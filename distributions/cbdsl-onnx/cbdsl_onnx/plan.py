@@ -6,6 +6,9 @@ from typing import NamedTuple
 
 from cbdsl.extend.document import Resource
 
+#: Types of feedbacks whose values can be subtracted.
+SUBTRACTED = ("configuration", "position", "heading", "length", "force", "torque")
+
 
 class Normalisation(NamedTuple):
     """Normalisation (value - mean) / deviation, SI units; empty for none."""
