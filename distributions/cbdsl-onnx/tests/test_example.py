@@ -85,7 +85,8 @@ def test_documents_of_the_example_have_no_findings() -> None:
     assert (EXAMPLE / "reach_above.onnx").stat().st_size < 2_000_000
 
 
-def test_program_of_the_example_reaches_by_its_network() -> None:
+def distances(seed: int) -> list[float]:
+    """Return the distances of the tip from its goal, m, in each tick of the network."""
     request = cbdsl.load(EXAMPLE / "reach_by_network.yaml")
     above = request.program.primitives["above"].lead
     apart: list[float] = []
@@ -95,10 +96,22 @@ def test_program_of_the_example_reaches_by_its_network() -> None:
             tip, seen = map(tick.signals.read, (above.feedback, above.reference.base))
             apart.append(float(np.linalg.norm(seen.value + above.reference.offset - tip.value)))
 
-    (result,) = cbdsl.run(request, backend="kinematic", seed=SEED, on_tick=note)
+    (result,) = cbdsl.run(request, backend="kinematic", seed=seed, on_tick=note)
     assert result.succeeded, result.ending
+    return apart
+
+
+def test_program_of_the_example_reaches_by_its_network() -> None:
+    apart = distances(SEED)
     # The network itself brought the palm near, before the written skill took over.
     assert apart[0] > 0.2 and apart[-1] < 0.03
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2000, 2020))
+def test_network_of_the_example_alone_comes_within_2_cm(seed: int) -> None:
+    """The seeds are apart from those of its demonstrations, 0 to 59."""
+    assert distances(seed)[-1] < 0.02
 
 
 def test_program_of_the_example_falls_back_from_an_undefined_network(tmp_path: Path) -> None:
@@ -113,15 +126,22 @@ def test_program_of_the_example_falls_back_from_an_undefined_network(tmp_path: P
     assert result.actions[-1] == "above ◁ keep_out ◁ force"
 
 
-@pytest.mark.xfail(reason="a bound acts once it is exceeded, so that the tip moves", strict=True)
+FAR = pytest.mark.xfail(
+    reason="far above its demonstrations, the network leads the tip along the guard", strict=True
+)
+
+
+@pytest.mark.parametrize(
+    ("height", "seed"), [("-19 cm", 1_003), pytest.param("-5 cm", SEED, marks=FAR)]
+)
 def test_program_of_the_example_falls_back_from_a_network_that_a_guard_holds(
-    tmp_path: Path,
+    height: str, seed: int, tmp_path: Path
 ) -> None:
     for file in EXAMPLE.iterdir():
         if file.is_file():
             shutil.copy(file, tmp_path)
     program = tmp_path / "reach_by_network.yaml"
-    program.write_text(program.read_text("utf-8").replace("-22 cm", "-5 cm"), "utf-8")
-    (result,) = cbdsl.run(cbdsl.load(program), backend="kinematic", seed=SEED)
+    program.write_text(program.read_text("utf-8").replace("-22 cm", height), "utf-8")
+    (result,) = cbdsl.run(cbdsl.load(program), backend="kinematic", seed=seed)
     assert "above ◁ keep_out ◁ force" in result.actions
     assert not result.succeeded and "held by keep_out" in result.ending, result.ending
