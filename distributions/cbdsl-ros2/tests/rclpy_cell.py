@@ -34,6 +34,7 @@ from typing import Any
 
 import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
+from cell_motion import CellMotion
 from rclpy.executors import ExternalShutdownException
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
@@ -66,14 +67,14 @@ class Arm:
 
     def __init__(self, settings: dict[str, Any]) -> None:
         self._node = rclpy.create_node("arm")
-        self._names, self._at = list(settings["joints"]), list(settings["joints"].values())
-        self._before, self._period = list(self._at), 1.0 / settings["rate"]
+        self._names, start = list(settings["joints"]), list(settings["joints"].values())
+        self._motion, self._before = CellMotion(start), start
+        self._period = 1.0 / settings["rate"]
         self._offset, self._speed, self._trace = 0.0, 0.0, settings["trace"]
         self._is_exchanged, self._moved = bool(settings.get("exchanged")), 0.0
         self._faults: set[str] = set()
         self._commands: list[list[float]] = []
         self._frozen: JointState | None = None
-        self._leg: tuple[float, float, list[float], list[float]] | None = None
         self._rows: list[tuple[float, list[float], float, float]] = []
         self._commanded = self._rivalled = self._ticked = 0.0
         self._states = self._node.create_publisher(JointState, "/joint_states", 10)
@@ -101,16 +102,17 @@ class Arm:
 
     def _accept(self, message: Any) -> None:
         now, is_array = self._now(), isinstance(message, Float64MultiArray)
-        if any(message.data if is_array else message.points[-1].positions):
+        positions = message.data if is_array else message.points[-1].positions
+        if any(positions):
             self._commanded = time.time()
-            positions = message.data if is_array else message.points[-1].positions
             self._commands.append([self._commanded, *positions])
         else:
             self._rivalled = self._rivalled or time.time()
         if self._loses():
             return
+        self._stop_if_stalled()
         if is_array:
-            self._leg = now, now + self._period, list(self._at), list(message.data)
+            self._motion.command(positions, now, now, now + self._period)
             return
         stamp, point = message.header.stamp, message.points[-1]
         begun = stamp.sec + 1e-9 * stamp.nanosec or now
@@ -118,28 +120,28 @@ class Arm:
         if ends <= now or sorted(message.joint_names) != sorted(self._names):
             return
         order = [list(message.joint_names).index(name) for name in self._names]
-        positions = [point.positions[i] for i in order]
-        self._leg = max(begun, now), ends, list(self._at), positions
+        self._motion.command([positions[i] for i in order], now, begun, ends)
+
+    def _stop_if_stalled(self) -> None:
+        """Hold still after a pause without ticks instead of catching up."""
+        if self._rows and time.time() - self._ticked > _STALLED:
+            self._motion.stop()
 
     def _tick(self) -> None:
         if "stall" in self._faults:
             self._faults.remove("stall")
             time.sleep(0.2)
         # Ticks come late on a busy computer, and speeds are by the time that passed.
+        self._stop_if_stalled()
         before, self._ticked = self._ticked, time.time()
         elapsed = max(self._ticked - before, 1e-4) if self._rows else self._period
-        # A controller that was stalled holds still instead of catching up.
-        if elapsed > _STALLED:
-            self._leg = None
         now = self._now()
-        if self._leg is not None:
-            begun, ends, first, last = self._leg
-            share = min(1.0, max(0.0, (now - begun) / (ends - begun)))
-            self._at = [a + share * (b - a) for a, b in zip(first, last, strict=True)]
+        self._motion.follow(now)
+        at = list(self._motion.positions)
         if self._speed:
             # Another controller of the arm has taken its first joint over.
-            self._at[0] = self._before[0] + self._speed * elapsed
-        moved = [(a - b) / elapsed for a, b in zip(self._at, self._before, strict=True)]
+            at[0] = self._before[0] + self._speed * elapsed
+        moved = [(a - b) / elapsed for a, b in zip(at, self._before, strict=True)]
         if max(map(abs, moved)) > _MOVES:
             if time.time() - self._moved > _STANDS:
                 say("moves")
@@ -147,13 +149,13 @@ class Arm:
         names = list(self._names)
         if self._is_exchanged:
             names[:2] = names[1::-1]
-        state = JointState(name=names, position=list(self._at), velocity=moved)
+        state = JointState(name=names, position=at, velocity=moved)
         state.header.stamp.sec, rest = divmod(int(1e9 * now), 10**9)
         state.header.stamp.nanosec = rest
-        self._before = list(self._at)
+        self._before = at
         if not self._loses():
             self._states.publish(self._faulty(state))
-        self._rows.append((time.time(), list(self._at), self._commanded, self._rivalled))
+        self._rows.append((time.time(), at, self._commanded, self._rivalled))
 
     def _loses(self) -> bool:
         return "loss" in self._faults and random.random() < 0.3
