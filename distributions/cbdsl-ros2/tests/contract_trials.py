@@ -481,7 +481,9 @@ class Trial:
         velocities = np.where(paused[:, None], 0.0, np.diff(sent, axis=0) / period)
         # An episode begins where the last one has settled, up to 0.1 mrad.
         fast = np.abs(velocities) > 1.01 * limits.velocity
-        jerky = np.abs(np.diff(velocities, axis=0)) > 1.01 * limits.acceleration * period + 0.03
+        # The first step after a pause is unknown, so two steps from rest are allowed to the second.
+        steps = np.where(paused[:-1, None], 2.0, 1.01)
+        jerky = np.abs(np.diff(velocities, axis=0)) > steps * limits.acceleration * period + 0.03
         jerky &= ~paused[1:, None]
         broken = ~np.isfinite(sent) | ~inside
         return int(broken.any(axis=1).sum() + fast.any(axis=1).sum() + jerky.any(axis=1).sum())

@@ -6,17 +6,19 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("cyclonedds")
 
-from contract_trials import CYCLONE, KINDS, STILL, attempt, selected, summary
+from contract_trials import CYCLONE, KINDS, STILL, Trial, attempt, selected, summary
 
-pytestmark = pytest.mark.slow
 PYTHON = os.environ.get("CB_RCLPY")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "node", "rate"), list(selected(KINDS)))
 def test_fault_holds_the_robot(kind: str, node: str, rate: float) -> None:
     if node != CYCLONE and not PYTHON:
@@ -42,3 +44,21 @@ def test_summary_counts_trials_by_node_and_rate() -> None:
     assert table[3].endswith("| 125 | 200 | 217 |")
     assert table[4].startswith("| nan | Fast DDS | 60 | busy | 0 of 1 | 0.0 to 97.5 % | 0 | 1 |")
     assert table[5].startswith("| swap | Fast DDS | 60 | quiet | 1 of 1 |")
+
+
+def test_violations_count_accelerations_beyond_the_limit_after_a_pause_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    trial, period = Trial("no fault", 60.0, 0), 1.0 / 60.0
+    trial._write_documents()
+    # The waist accelerates by at most 0.83 rad/s in a step; the robot rests between two episodes.
+    speeds = np.array([0.0, 0.0, 0.8, 1.6, 1.6, 0.8, 0.0, 0.0, -0.8, -1.6, -1.6, -0.8, 0.0])
+    sent = np.zeros((len(speeds), 7))
+    sent[:, 0] = period * np.arange(len(speeds)) + np.where(np.arange(len(speeds)) < 8, 0.0, 1.0)
+    sent[:, 1] = period * np.cumsum(speeds)
+    assert trial._violations(sent) == 0
+    for tick in (4, 10):
+        jump = sent.copy()
+        jump[tick:, 1] += 0.03
+        assert trial._violations(jump) > 0, tick
