@@ -69,6 +69,8 @@ class Kind(NamedTuple):
         nodes: Nodes of the arm. Served arms have the rate of 60 Hz alone.
         harmless: True if the program survives the fault, and is then interrupted. Only lost
             messages may hold it.
+        watched: Words of the watchdog, which has to hold and end. An arm also stops at its newest
+            reference if its watchdog repeats that for ever.
     """
 
     rates: tuple[float, ...]
@@ -80,6 +82,7 @@ class Kind(NamedTuple):
     way: float = 0.0
     nodes: tuple[str, ...] = (FAST,)
     harmless: bool = False
+    watched: str = ""
 
 
 _INTERRUPTED = "hangup", "terminal closed"
@@ -110,8 +113,12 @@ KINDS = {
     "terminal closed": Kind((60.0,), "", still=True),
     "killed": Kind((*ALL, 20.0), "", still=True, within=None, nodes=NODES),
     "suspended": Kind((60.0,), "suspended|deadline|in time", still=True, nodes=NODES),
-    "killed before a watchdog": Kind((60.0,), "", "positions", still=True, within=None),
-    "suspended before a watchdog": Kind((60.0,), "suspended|deadline", "positions", still=True),
+    "killed before a watchdog": Kind(
+        (60.0,), "", "positions", still=True, within=None, watched="no reference for"
+    ),
+    "suspended before a watchdog": Kind(
+        (60.0,), "suspended|deadline", "positions", still=True, watched="no reference for"
+    ),
     "watchdog killed": Kind((60.0,), "watchdog|frozen", "positions", still=True),
     "watchdog suspended": Kind((60.0,), "watchdog|frozen", "positions", still=True),
     "arm killed": Kind((60.0,), "has ended|no new state", nodes=NODES),
@@ -285,16 +292,31 @@ class Trial:
         if self._kind.harmless and name != "no fault":
             time.sleep(1.0)
             program.terminate()
+        said, watches = self._last_words(program), self._watches(parts)
+        time.sleep(0.3)
+        arm.terminate()
+        arm.wait(10)
+        outcome = self._outcome(begun, program.returncode, said)
+        held, passed = outcome.held and watches, outcome.passed and watches
+        return outcome._replace(held=held, passed=passed)
+
+    def _last_words(self, program: subprocess.Popen[str]) -> str:
         try:
             said = program.communicate(timeout=30)[1] or ""
         except subprocess.TimeoutExpired:
             # It was not held, such as by a suspension at rest.
             program.terminate()
             said = program.communicate(timeout=60)[1] or ""
-        time.sleep(0.3)
-        arm.terminate()
-        arm.wait(10)
-        return self._outcome(begun, program.returncode, said.strip())
+        return said.strip()
+
+    def _watches(self, parts: dict[str, subprocess.Popen[str]]) -> bool:
+        """Return whether the watchdog held, and ended, where it has to."""
+        if not self._kind.watched:
+            return True
+        try:
+            return self._kind.watched in parts["watchdog"].communicate(timeout=5)[0]
+        except subprocess.TimeoutExpired:
+            return False
 
     @contextmanager
     def _part(self, part: str, settings: dict[str, object]) -> Iterator[subprocess.Popen[str]]:
@@ -442,7 +464,11 @@ class Trial:
             held = held and moving
             soon = elapsed <= self._within() or way <= self._kind.way
         if self._kind.harmless and not (self._name == "loss" and held):
-            held, soon = code == (0 if self._name == "no fault" else 130), True
+            moved = bool((speeds > SLOW).any())
+            held, soon = moved and code == (0 if self._name == "no fault" else 130), True
+        if self._name.startswith("killed"):
+            # A program that was held shortly before has not been killed.
+            held = held and code == -signal.SIGKILL
         if self._name in _INTERRUPTED:
             held = held and code == 130 and any((self._folder / "out").rglob("*.npz"))
         held = held and any(cause in said for cause in self._kind.cause.split("|"))
