@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -50,12 +51,15 @@ def test_robosuite_judge_without_environment_names_the_command(
     assert "`make robosuite`" in problem
 
 
-@pytest.mark.parametrize("option", ["--task", "--arm"])
+@pytest.mark.parametrize(("option", "known"), [("--task", TASKS), ("--arm", ARMS)])
 def test_robosuite_judge_with_unknown_part_names_the_known_ones(
-    option: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    option: str,
+    known: Iterable[str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert cb(monkeypatch, option, "Pandas") == 2
-    assert "Panda" in capsys.readouterr().err
+    assert cb(monkeypatch, option, "Foo") == 2
+    assert f"known: {', '.join(sorted(known))})" in capsys.readouterr().err
 
 
 def test_judge_rejects_another_backend() -> None:

@@ -127,7 +127,7 @@ def _conditions(
     Args:
         judge: Judge.
         only: Names of conditions; all if empty.
-        parts: Parts of the names of conditions, by the option that selects them.
+        parts: Parts of the names of conditions, by the option that selects them, in order.
 
     Raises:
         UsageError: The judge has no such condition.
@@ -135,14 +135,13 @@ def _conditions(
     from cbdsl import UsageError
 
     chosen = judge.conditions
-    for option, words in parts.items():
-        known = sorted({part for each in chosen for part in each.name.split(", ")})
+    for place, (option, words) in enumerate(parts.items()):
+        part = {each.name: "".join(each.name.split(", ")[place:][:1]) for each in chosen}
+        known = sorted({*part.values()} - {""})
         for word in words:
             if word not in known:
                 raise UsageError.unknown(f"{option} of {judge.name}", word, known)
-        chosen = tuple(
-            each for each in chosen if not words or set(words) & set(each.name.split(", "))
-        )
+        chosen = tuple(each for each in chosen if not words or part[each.name] in words)
     names = [condition.name for condition in judge.conditions]
     for name in only or ():
         if name not in names:
