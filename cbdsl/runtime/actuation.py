@@ -118,6 +118,10 @@ class Actuation:
         self._batches: dict[_Acting, ControllerBatch] = {}
         self._forget()
 
+    def drop_replaced(self) -> None:
+        """Free the arrays of all controllers but the last active ones, which may go on."""
+        self._batches = {runs: each for runs, each in self._batches.items() if each is self._last}
+
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""
         self.reference[:] = positions

@@ -125,6 +125,7 @@ class Runner:
         self._run.offer(program, self._note_edit)
 
     def _note_edit(self, edit: EditTaken) -> None:
+        self._actuation.drop_replaced()
         if edit.depth == 0:
             if edit.program.all_guards != self._program.all_guards:
                 self._actuation.guard(edit.program.all_guards)

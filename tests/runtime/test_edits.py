@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import random
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -17,6 +18,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
@@ -24,6 +26,8 @@ from cbdsl.runtime.tick import Tick
 from tests.runtime.conftest import made_stage, on_table
 from tests.runtime.synthetic import SyntheticBackend
 
+# Angle by which loads deflect the joints from their references, rad: more than a tick may move.
+SAG = 0.04
 HEAD = "cbdsl: 1\nkind: program\nname: shuttle\nrobot: dexter\n"
 ARM = "potential: spring, feedback: right_arm.position, effector: right_arm"
 QUICK = "quiescence: {rate: 1e-3, window: 0.1 s}"
@@ -95,6 +99,14 @@ class Editor(EpisodeObserver):
         self.result = result
 
 
+class LoadedBackend(SyntheticBackend):
+    """Body whose joints stay behind their references under a load."""
+
+    def step(self) -> None:
+        self.applied[-1] = self.applied[-1] - SAG
+        super().step()
+
+
 Edit = Callable[..., Editor]
 Check = Callable[[str], CheckedProgram]
 
@@ -114,7 +126,7 @@ def edit(dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Edit:
     """Return a function that runs episodes of a program with edits, until a number of ticks."""
 
     def run(program: CheckedProgram, edits: Mapping[int, CheckedProgram], last: int = 0) -> Editor:
-        backend = SyntheticBackend(dexter, urdf, lambda rng: on_table())
+        backend = LoadedBackend(dexter, urdf, lambda rng: on_table())
         runner = Runner(dexter, kinematics, program, backend)
         speed = np.minimum(kinematics.speed, dexter.control.joint_speed)
         step = speed * backend.control_period + 1e-9
@@ -264,6 +276,18 @@ def test_edit_at_the_last_tick_keeps_the_outcome_of_its_episode(edit: Edit, chec
     assert played.result.succeeded
     assert played.result.outcome == "success"
     assert len(played.taken) <= 1
+
+
+def test_edits_free_the_controllers_that_they_replace(edit: Edit, check: Check) -> None:
+    moved = {
+        5 + 200 * n: check(shuttle(controller(f"[{70 - n} cm, -40 cm, 20 cm]"))) for n in range(8)
+    }
+    played = edit(check(shuttle()), moved, last=1700)
+    assert len(played.taken) > 6
+    runs = [each for each in gc.get_objects() if isinstance(each, ControllerRun)]
+    near = [each for each in runs if each.controller.name == "near"]
+    alive = [each for each in near if each._signals is played.runner.signals]
+    assert len(alive) <= 3, "the present one, and those that may still go on"
 
 
 class Writer:
