@@ -64,12 +64,12 @@ class Patch(NamedTuple):
 
 
 def patched(
-    what: str, options: RunOptions, row: Mapping[str, Any], *, apply: bool
+    program: str, options: RunOptions, row: Mapping[str, Any], *, apply: bool
 ) -> dict[str, Any]:
     """Try changes on the seed of a failure, with the same world and noise, and then on others.
 
     Args:
-        what: Program that failed.
+        program: Program that failed: file or name.
         options: Options of its run.
         row: Diagnosis of the failure.
         apply: True to write the best change to its document.
@@ -80,18 +80,18 @@ def patched(
     Raises:
         UsageError: The document to be changed is shipped with the package.
     """
-    request, seed = options.request(what), row["seed"]
+    request, seed = options.request(program), row["seed"]
     tried, before, helped = 0, -1, list[tuple[int, Patch]]()
     with open_robot(request, backend=options.backend, cameras=options.cameras) as robot:
 
-        def count(program: RunRequest, seeds: Iterable[int]) -> int:
-            own = robot.with_program(program)
-            return sum(own.run(each, context=options.context).succeeded for each in seeds)
+        def count(changed: RunRequest, seeds: Iterable[int]) -> int:
+            same = robot.with_program(changed)
+            return sum(same.run(seed, context=options.context).succeeded for seed in seeds)
 
-        fresh = [seed + each for each in _FRESH]
+        fresh = [seed + later for later in _FRESH]
         for patch in patches(request, "" if row["cause"] is None else row["cause"]["kind"]):
             try:
-                changed = options.request(what, {patch.file: encoded(patch.text)})
+                changed = options.request(program, {patch.file: encoded(patch.text)})
             except (DiagnosticsError, UsageError):
                 continue  # a value that does not check is no patch
             tried += 1
