@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.program.edit import EditTaken
     from cbdsl.reporting.live.live_view import LiveView
+    from cbdsl.runtime.episode_result import EpisodeResult
     from cbdsl.runtime.tick import Tick
 
 # Wall time between looks at the files, s.
@@ -54,7 +55,11 @@ class ProgramWatch(EpisodeObserver):
         self._newest = self._running = request.program
         self._files = request.library.files
         self._stamps = self._settling = self._stamp()
-        self._reported = ""
+        self._reported, self._plays = "", True
+
+    def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
+        """Begin an episode; see ``EpisodeObserver.begin``."""
+        self._plays = True
 
     def note_tick(self, tick: Tick) -> None:
         """Look at the files; see ``EpisodeObserver.note_tick``."""
@@ -65,7 +70,11 @@ class ProgramWatch(EpisodeObserver):
         if edit.depth == 0:
             self._running = edit.program
         self._reported = ""
-        self.report(f"{edit.time:6.2f} s  {edit}")
+        self.report(f"{edit.time:6.2f} s  {edit}" if self._plays else f"{edit}")
+
+    def note_end(self, result: EpisodeResult) -> None:
+        """Note the end of an episode; the next one takes up later edits."""
+        self._plays = False
 
     @property
     def is_pending(self) -> bool:
@@ -110,7 +119,7 @@ class ProgramWatch(EpisodeObserver):
         if request.program != self._newest:
             self._newest = request.program
             self._offer(request.program)
-            if self.is_pending:
+            if self.is_pending and self._plays:
                 self._renew("the edit waits for the next change of state")
         elif self._reported:
             self._renew("the edit checks, and changes nothing that runs")

@@ -10,6 +10,8 @@ import pytest
 from cbdsl.api.requests.run_request import RunRequest, read_request
 from cbdsl.cli.episodes.program_watch import ProgramWatch
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.edit import EditTaken
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.tick import Tick
 from tests.cli.arm_program import TEXT
 from tests.cli.test_main import cb
@@ -61,6 +63,19 @@ def test_watch_offers_an_edit_once(watched: Watched) -> None:
     assert watched.offers == [watched.read().program]
     assert watched.reports == [("the edit waits for the next change of state", ())]
     assert watched.watch.is_pending
+
+
+def test_watch_between_episodes_reports_an_edit_once_it_is_active(watched: Watched) -> None:
+    watched.watch.note_end(EpisodeResult("", "", "", 0, False, (), (), 0, 1.0, 1.0, "", ""))
+    watched.edit("gain: 20 /s", "gain: 10 /s")
+    assert watched.reports == [], "no state can change"
+    (program,) = watched.offers
+    watched.watch.note_edit(
+        EditTaken(program, "raise_arm", 0, 9.0, "it begins with its first step")
+    )
+    text = "takes up the edited raise_arm: it begins with its first step"
+    assert watched.reports == [(text, ())], "9.0 s is the time of the last episode"
+    assert not watched.watch.is_pending
 
 
 def test_watch_reports_an_edit_that_does_not_check_and_offers_its_correction(
