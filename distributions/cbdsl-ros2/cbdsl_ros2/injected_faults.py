@@ -82,10 +82,6 @@ class Faults:
         """Count the time from now on."""
         self._start = self._clock()
 
-    def start_now(self) -> None:
-        """Begin all faults, regardless of their times."""
-        self._faults = tuple(fault._replace(start=0.0) for fault in self._faults)
-
     def active(self, kind: str) -> bool:
         """Return whether a fault has begun."""
         elapsed = self._clock() - self._start
