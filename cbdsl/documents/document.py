@@ -156,8 +156,8 @@ class Document(Section):
     description: str = ""
     """Purpose, in a sentence or two."""
 
-    alternatives: ClassVar[Mapping[str, str]] = {}
-    """Keys that are required without another one, with that one."""
+    alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    """Keys that are required without any of other ones, with these."""
 
     @classmethod
     def is_for_any_robot(cls, data: object) -> bool:

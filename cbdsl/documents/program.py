@@ -283,12 +283,13 @@ _ABSENT: Any = object()
 def _required_without_alternative(
     value: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
 ) -> Any:
-    """Require a key unless the document has the key that replaces it."""
+    """Require a key unless the document has a key that replaces it."""
     if value is not _ABSENT:
         return validate(value)
-    # Fields are validated in order, and the other key comes first. If it is faulty, it is missing
+    # Fields are validated in order, and the other keys come first. If one is faulty, it is missing
     # here and counts as given, so that its fault is not reported a second time.
-    if not info.data.get(ProgramDocument.alternatives[str(info.field_name)], True):
+    others = ProgramDocument.alternatives[str(info.field_name)]
+    if not any(info.data.get(other, True) for other in others):
         raise PydanticKnownError("missing")
     return {"controllers": {}, "actions": (), "robot": ""}[str(info.field_name)]
 
@@ -310,10 +311,10 @@ class StepSection(Section):
 class ProgramDocument(Document):
     """Behaviour: controllers and a policy over their states."""
 
-    alternatives: ClassVar[Mapping[str, str]] = {
-        "robot": "roles",
-        "actions": "steps",
-        "controllers": "use",
+    alternatives: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "robot": ("roles",),
+        "actions": ("steps",),
+        "controllers": ("use", "shared"),
     }
 
     kind: Literal["program"]
@@ -349,7 +350,8 @@ class ProgramDocument(Document):
         Field(default_factory=lambda: _ABSENT, validate_default=True),
         WrapValidator(_required_without_alternative),
     ]
-    """Triples, or compositions that act as one controller; required without ``use``."""
+    """Triples, or compositions that act as one controller; required without ``use`` and
+    ``shared``."""
     conditions: dict[Name, Text] = {}
     """Comparisons of signals and quantities, joined by `and`, `or` and `not`, such as
     `$hand.net.force.z < -7 N for 0.3 s`. Exits of steps name them; without steps, each is a letter

@@ -66,8 +66,8 @@ def dump(document: Document) -> str:
     """Return a document as YAML, without values that equal their defaults."""
     data = document.model_dump(mode="json", by_alias=True, exclude_defaults=True)
     # An empty key that another one replaces is as good as absent, and might be invalid.
-    others = document.alternatives
-    return dump_plain({k: value for k, value in data.items() if value or others.get(k) not in data})
+    others = {key: data.keys() & by for key, by in document.alternatives.items()}
+    return dump_plain({k: value for k, value in data.items() if value or not others.get(k)})
 
 
 def dump_plain(data: Mapping[str, Any]) -> str:

@@ -111,6 +111,6 @@ def telling_keys(
 def _evidence(keys: frozenset[str], model: type[Document]) -> int:
     """Return the number of keys that match a kind, minus its missing required keys."""
     required = {name for name, field in model.model_fields.items() if field.is_required()}
-    required |= {key for key, other in model.alternatives.items() if other not in keys}
+    required |= {key for key, others in model.alternatives.items() if keys.isdisjoint(others)}
     common = Document.model_fields.keys() | {"kind"}
     return len((keys & model.model_fields.keys()) - common) - len(required - keys - common)

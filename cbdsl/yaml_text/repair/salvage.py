@@ -133,7 +133,8 @@ class _Salvage(Generic[D]):
         """Report the faults, and remove the faulty parts."""
         # A misspelt key may replace a missing one, as `steps` replaces `actions`.
         keys = [str(each["loc"][-1]) for each in errors if each["type"] == "extra_forbidden"]
-        replaced = {(k,) for k, by in self._model.alternatives.items() if nearest_name(by, keys)}
+        others = self._model.alternatives.items()
+        replaced = {(key,) for key, by in others if any(nearest_name(each, keys) for each in by)}
         errors = [e for e in errors if e["type"] != "missing" or e["loc"] not in replaced]
         located = [(path_of(error, self._source), error) for error in errors]
         if moves := find_moves(self._source, self._model, [path for path, _ in located]):
@@ -157,8 +158,8 @@ class _Salvage(Generic[D]):
         """Return whether a fault only follows from another."""
         if kind == "extra_forbidden":
             return False
-        other = self._model.alternatives.get(str(path[0])) if len(path) == 1 else None
-        is_replaced = other is not None and self._broken.touches((other,))
+        others = self._model.alternatives.get(str(path[0]), ()) if len(path) == 1 else ()
+        is_replaced = any(self._broken.touches((other,)) for other in others)
         return is_replaced or path in self._respelt or self._broken.is_below(path)
 
     def _respell(self, path: Steps, loc: Steps) -> bool:
@@ -219,7 +220,7 @@ class _Salvage(Generic[D]):
             left = len(list(self._source.node(part[:-1]).steps()))
             return depth == len(part) and left < least
         if len(part) == 1 and part[0] in self._model.alternatives:
-            return not self._source.holds(self._model.alternatives[str(part[0])])
+            return not any(map(self._source.holds, self._model.alternatives[str(part[0])]))
         last = model.model_fields.get(str(part[-1]))
         return last is not None and last.is_required()
 

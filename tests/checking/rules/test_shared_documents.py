@@ -139,6 +139,16 @@ def test_fault_of_a_shared_controller_is_one_finding(
     assert (Path(found[0].place.file).name, found[0].place.line) == (Path(file).name, line)
 
 
+@pytest.mark.parametrize(("name", "codes"), [("watch", []), ("wach", ["CB629"])])
+def test_program_of_calls_alone_needs_no_controllers(
+    folder: Path, name: str, codes: list[str]
+) -> None:
+    path = folder / "programs/go.yaml"
+    steps = "steps: {look: {do: watch(red), then: end}}\n"
+    path.write_text(f"{HEAD.replace('right_arm', 'head')}shared: {{looks: [{name}]}}\n{steps}")
+    assert [each.code for each in check_document(path) if each.is_error] == codes
+
+
 def test_edit_of_a_shared_document_reaches_programs_of_the_same_session(folder: Path) -> None:
     session, shared = Session(), folder / "programs/shared/looks.yaml"
     path = folder / "programs/go.yaml"
