@@ -24,6 +24,7 @@ from cbdsl.types.role import EYES, RELATIONS, ROBOT, STEREO, STEREO_HEADING, Rol
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.shared_parts import has_call, validated
 
 
 class Binding(NamedTuple):
@@ -153,9 +154,26 @@ def _with_values(
         if name in known
         for key, text in known[name].values.items()
     }
+
+    def on_the_robot(text: str) -> str | float:
+        # A call is the name of its declaration, in which its arguments stand.
+        is_name = has_call(text, loaded.taken)
+        return text if is_name else with_measures(with_parts(text, texts), measures)
+
     try:
-        bound = replaced(data, lambda text: with_measures(with_parts(text, texts), measures))
-        return ProgramDocument.model_validate(bound, context={"folder": loaded.path.parent})
+        bound = replaced(data, on_the_robot)
+        calls = {
+            section: {name: bound[section].pop(name) for name in loaded.taken & {*bound[section]}}
+            for section in ("controllers", "conditions")
+            if section in bound
+        }
+        document = ProgramDocument.model_validate(bound, context={"folder": loaded.path.parent})
+        update = {
+            section: getattr(document, section)
+            | {name: validated(value, relative=False) for name, value in entries.items()}
+            for section, entries in calls.items()
+        }
+        return document.model_copy(update=update)
     except QuantityError as error:
         return f"robot '{robot.document.name}' does not suit the program: {error}"
     except ValidationError as error:

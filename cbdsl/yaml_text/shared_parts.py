@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -346,7 +346,7 @@ class _TakingUp:
         update: dict[str, object] = {}
         try:
             for section, nodes in self._nodes.items():
-                values = {name: _validated(node) for name, node in nodes.items()}
+                values = {name: self._validated(node) for name, node in nodes.items()}
                 own = getattr(document, section).items()
                 sound = {name: each for name, each in own if (section, name) not in self._broken}
                 update[section] = {**sound, **values}
@@ -371,12 +371,15 @@ class _TakingUp:
             shared_faults=self._faults.sorted(),
         )
 
+    def _validated(self, node: Node) -> ControllerSection | str:
+        return validated(node.plain(), relative=bool(self._loaded.document.roles))
+
     def _with_invalid_arguments(self) -> Loaded[ProgramDocument]:
         """Return the program without the calls whose arguments have no valid values."""
         for section, nodes in self._nodes.items():
             for name, node in list(nodes.items()):
                 try:
-                    _validated(node)
+                    self._validated(node)
                 except ValidationError as error:
                     first = error.errors(include_url=False)[0]
                     problem = first.get("ctx", {}).get("error", first["msg"])
@@ -388,9 +391,20 @@ class _TakingUp:
         return self._merged()
 
 
-def _validated(node: Node) -> ControllerSection | str:
-    value = node.plain()
-    return value if isinstance(value, str) else ControllerSection.model_validate(value)
+def validated(value: object, *, relative: bool) -> ControllerSection | str:
+    """Return the declaration of a call; in terms of a robot that it lacks if ``relative``.
+
+    Raises:
+        ValidationError: An argument has no valid value.
+    """
+    if isinstance(value, str):
+        return value
+    return ControllerSection.model_validate(value, context={"relative": relative})
+
+
+def has_call(text: str, calls: Collection[str]) -> bool:
+    """Return whether a text is a composition with one of these calls."""
+    return "(" in text and any(str(term) in calls for term in _terms(text))
 
 
 def _is_call_of(name: str, declared: object) -> bool:

@@ -17,6 +17,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.controller import Relative
 from cbdsl.types.unit import read_quantity
 from cbdsl.yaml_text.library import Library
 
@@ -52,6 +53,19 @@ def test_hand_of_a_given_arm_is_the_one_on_it(tmp_path: Path) -> None:
         checked = check_program(path, {"robot": "dexter", "arm": arm})
         assert checked.parameters["hand"] == hand
     assert check_program(path, {"robot": "dexter"}).parameters["arm"] == "right_arm"
+
+
+def test_shared_controller_is_called_with_a_value_of_the_robot(tmp_path: Path) -> None:
+    call = "rise($arm, $arm.gap)"
+    exits = f"[{{'{call} at rest': end}}]"
+    rest = f"shared: {{moving: [rise]}}\nsteps: {{up: {{do: '{call}', exits: {exits}}}}}\n"
+    path = program(tmp_path, "{arm: effector of position}", rest)
+    for robot, gap in (("panda", 0.02), ("dexter", 0.012)):
+        (action,) = check_program(path, {"robot": robot}).actions
+        assert action.composition is not None
+        (controller,) = action.composition.controllers
+        assert controller.name == call
+        assert controller.reference == Relative(None, (0.0, 0.0, gap))
 
 
 def test_other_effector_differs_from_any_first_one(tmp_path: Path) -> None:
