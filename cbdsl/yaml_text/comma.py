@@ -1,8 +1,8 @@
-"""Commas that split a value: decimal commas, and lists without brackets."""
+"""Commas that split a value: decimal commas, lists without brackets, and calls without quotes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -14,9 +14,10 @@ from cbdsl.yaml_text.node import Node
 # second key "5" without a value; from [1,5] it reads two items. A quantity in the place of a key,
 # followed by a comma or the closing brace, is thus a part of the value before it. Without a space
 # after the comma, two halves of digits are certainly a decimal comma. With a space, a list may be
-# intended as well, so that the value is ambiguous and is not repaired.
+# intended as well, so that the value is ambiguous and is not repaired. Likewise, a comma ends
+# {do: lift($arm} before the next argument of the call; any text up to its end belongs to it.
 class Stray(NamedTuple):
-    """Quantity in the place of a key, because a comma ended the preceding value."""
+    """Part of a value in the place of a key, because a comma ended the preceding part."""
 
     text: str
     place: Place
@@ -34,21 +35,70 @@ class Cut(NamedTuple):
     whole: str | None = None
 
 
-def is_stray(text: str, rest: str) -> bool:
-    """Return whether a quantity without a colon stands in the place of a key.
+def is_stray(text: str, rest: str, before: Iterable[str]) -> bool:
+    """Return whether a quantity or an argument without a colon stands in the place of a key.
 
     Args:
         text: Text in the place of the key.
         rest: Remainder of the line after the text.
+        before: Parts of the preceding value.
     """
     begins = text.lstrip("+-.")[:1]
-    return begins.isdigit() and rest.lstrip()[:1] in (",", "}")
+    is_part = begins.isdigit() or _is_open(", ".join(before))
+    return is_part and rest.lstrip()[:1] in (",", "}")
+
+
+def _is_open(text: str) -> bool:
+    """Return whether a text ends within the arguments of a call."""
+    return text.count("(") > text.count(")")
+
+
+def _call(text: str) -> str:
+    return f"a ',' ends a value in brackets or braces; write the call in quotes: \"{text}\""
+
+
+class SplitCall(NamedTuple):
+    """Call in brackets that commas split.
+
+    Attributes:
+        text: Whole call.
+        first: Item with its first part.
+        rest: Number of items with the other parts.
+    """
+
+    text: str
+    first: int
+    rest: int
+
+    @property
+    def problem(self) -> str:
+        """Diagnostic message, as a clause."""
+        return _call(self.text)
+
+
+def split_calls(items: Sequence[Node]) -> Iterator[SplitCall]:
+    """Yield the calls in a list that commas split; the last part may be a key."""
+    first, parts = 0, list[str]()
+    for place, item in enumerate(items):
+        if not parts:
+            first = place
+        parts.append(next(iter(item.value), "") if isinstance(item.value, dict) else item.written)
+        text = ", ".join(parts)
+        if parts[-1] and _is_open(text) and not isinstance(item.value, dict):
+            continue
+        if len(parts) > 1 and parts[-1] and not _is_open(text):
+            yield SplitCall(text, first, len(parts) - 1)
+        parts.clear()
 
 
 def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
     """Explain which value a key's value and the stray quantities after it form."""
     parts = [_shown(value), *(stray.text for stray in strays)]
-    row = f"[{', '.join(parts)}]"
+    text = ", ".join(parts)
+    if "(" in value.written:
+        lacks = f"the ')' of '{text}' is missing"
+        return Cut(lacks) if _is_open(text) else Cut(_call(text), text)
+    row = f"[{text}]"
     if len(parts) != 2 or not _are_halves(value, parts[1]):
         return Cut(f"a list is written in brackets; write '{key}: {row}'")
     whole = ".".join(parts)

@@ -7,7 +7,7 @@ depth, while libyaml's composer recurses, and crashes the process on deep input.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
@@ -192,6 +192,8 @@ class _Composer:
             raise self._fatal("CB119", place, bound=DEEPEST)
         if isinstance(event, yaml.SequenceStartEvent):
             node.value = list(self._items(depth))
+            if event.flow_style:
+                self._rejoin(node.value)
         else:
             self._fill(node, depth)
         for child in node.children():
@@ -228,6 +230,24 @@ class _Composer:
             yield self._node(event, depth + 1)
             entries = self._one_more(entries, event)
 
+    def _rejoin(self, items: list[Node]) -> None:
+        """Join the calls in brackets that commas split."""
+        if not any("(" in item.written for item in items):
+            return
+        from cbdsl.yaml_text.comma import split_calls  # few lists have calls
+
+        for call in reversed(list(split_calls(items))):
+            first, last = items[call.first], items[call.first + call.rest]
+            self._find("CB205", first.place, problem=call.problem)
+            if isinstance(last.value, dict):
+                part, *_ = last.value
+                last.value = {call.text if key == part else key: v for key, v in last.value.items()}
+                last.keys = {call.text if key == part else key: p for key, p in last.keys.items()}
+                first = last
+            else:
+                first.value = first.written = call.text
+            items[call.first : call.first + call.rest + 1] = [first]
+
     def _fill(self, node: Node, depth: int) -> None:
         values: dict[str, Node] = {}
         strays: dict[str, list[Stray]] = {}
@@ -246,7 +266,7 @@ class _Composer:
             value = self._node(self._next(), depth + 1)
             if key is None:
                 continue
-            if values and value.value is None and (stray := self._stray(key, place)):
+            if value.value is None and (stray := self._stray(key, place, values, strays)):
                 strays.setdefault(next(reversed(values)), []).append(stray)
             elif key in values:
                 first = (node.keys[key], "first written here")
@@ -281,12 +301,22 @@ class _Composer:
                     values[key], node.keys[key] = value, source.keys[key]
             node.faulty |= source.faulty
 
-    def _stray(self, key: str, place: Place) -> Stray | None:
-        """Return the quantity in the place of a key, if a comma split it from its value."""
+    def _stray(
+        self,
+        key: str,
+        place: Place,
+        values: Mapping[str, Node],
+        strays: Mapping[str, list[Stray]],
+    ) -> Stray | None:
+        """Return the text in the place of a key, if a comma split it from the value before it."""
         from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it
 
+        if not values:
+            return None
+        last = next(reversed(values))
+        before = [values[last].written, *(stray.text for stray in strays.get(last, ()))]
         behind = self.lines[place.line - 1][place.end_column - 1 :]
-        return Stray(key, place) if is_stray(key, behind) else None
+        return Stray(key, place) if is_stray(key, behind, before) else None
 
     def _join(self, key: str, value: Node, strays: list[Stray]) -> None:
         """Join a value that commas split; mark it as faulty if its whole is ambiguous."""
@@ -298,7 +328,9 @@ class _Composer:
             value.faulty = True
         else:
             value.value = resolve(cut.whole)
-            value.place = value.place._replace(end_column=strays[-1].place.end_column)
+            end = strays[-1].place
+            if end.line == value.place.line:
+                value.place = value.place._replace(end_column=end.end_column)
 
     def _key(self, event: Any, place: Place) -> str | None:
         """Return the text of a key as written, because 10 and X- are both patterns of a state."""
