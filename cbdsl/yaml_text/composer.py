@@ -7,7 +7,7 @@ depth, while libyaml's composer recurses, and crashes the process on deep input.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
@@ -305,8 +305,8 @@ class _Composer:
         self,
         key: str,
         place: Place,
-        values: Mapping[str, Node],
-        strays: Mapping[str, list[Stray]],
+        values: dict[str, Node],
+        strays: dict[str, list[Stray]],
     ) -> Stray | None:
         """Return the text in the place of a key, if a comma split it from the value before it."""
         from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it
