@@ -9,6 +9,7 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import quote, urlsplit
+from zipfile import ZipFile
 
 import pytest
 
@@ -39,6 +40,16 @@ def address(folder: Path) -> Iterator[str]:
     server.shutdown()
     thread.join()
     server.server_close()
+
+
+@pytest.mark.slow
+def test_folder_has_20_mb_and_a_licence_of_each_package(folder: Path) -> None:
+    assert sum(file.stat().st_size for file in folder.iterdir()) == pytest.approx(20e6, rel=0.1)
+    names = ZipFile(folder / "packages.zip").namelist()
+    packages = {name.partition("/")[0] for name in names if ".dist-info/" in name}
+    licences = [name for name in names if "LICENSE" in name]
+    assert len(packages) > 10 and "__pycache__" not in " ".join(names)
+    assert {name.partition("/")[0] for name in licences} >= packages
 
 
 @pytest.mark.slow
