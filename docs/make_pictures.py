@@ -23,7 +23,7 @@ ASSETS = ROOT / "docs" / "assets"
 MOVING = "reachtouch"
 #: Frames per second of films; they play at real time, or faster where a run is longer than this.
 RATE, LONGEST = 6, 30.0
-#: Time for which its last frame stays, s.
+#: Time for which the last frame of the moving picture stays, s.
 PAUSE = 2.0
 #: Size of a picture, px.
 WIDTH, HEIGHT = 800, 542
