@@ -1,9 +1,9 @@
 """Public arms without edits: ``cb new robot --cameras``, then ``reach``, judged by the truth.
 
 The models come from the packages ``pybullet_data``, part of PyBullet, and ``example-robot-data``
-(``pip install --no-deps example-robot-data``). An episode is right if the tip rests before the
-object. Its distance from the middle is at most the object's size, the gap of the robot's document
-and 2 cm. The object has moved by 2 cm at most. A wrong arm has its most frequent causes.
+(``pip install --no-deps example-robot-data``). An episode is right if the tip rests within
+5 cm of the sphere around the object, and the object has moved by 2 cm at most. No value of the
+proposed document counts. A wrong arm has its most frequent causes.
 
     python benchmarks/public_arms.py [--only panda,ur] [--episodes 3] [--backend mujoco] [--json]
 """
@@ -38,8 +38,8 @@ ARMS = {
         alex_description/urdf/alex_nub_hands
     """,
 }
-# Distance of a tip that is still before its object, and way of an object that is not pushed, m.
-NEAR, STAYS = 0.02, 0.02
+# Greatest distance of a tip from the sphere around its object, and way of that object, m.
+NEAR, STAYS = 0.05, 0.02
 
 
 def arms() -> Iterator[tuple[str, Path | None]]:
@@ -93,8 +93,7 @@ def why(world: Any, request: Any, seed: int) -> str:
     if not result.ending.startswith("Done"):
         return str(result.ending).split(": ")[-1]
     off = float(np.linalg.norm(seen["tip"] - seen["object"]))
-    most = seen["size"] + float(request.robot.effectors[arm].values["gap"].split()[0]) / 100 + NEAR
-    if off > most:
+    if off > seen["size"] + NEAR:
         return f"{100 * off:.0f} cm off the object"
     moved = float(np.linalg.norm(seen["object"] - seen["first"]))
     return f"pushed the object {100 * moved:.0f} cm" if moved > STAYS else ""
