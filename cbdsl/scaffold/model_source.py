@@ -8,15 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from xml.etree import ElementTree
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.robot.package_folders import PackageFolders
-from cbdsl.robot.robot_xml import xml_root
-from cbdsl.robot.urdf import UrdfError
-from cbdsl.storage.contents import is_file
+from cbdsl.robot.robot_xml import MOST_BYTES, robot_text, xml_root
+from cbdsl.robot.urdf import UrdfError, UrdfModel
+from cbdsl.storage.contents import contents, is_file
 
 if TYPE_CHECKING:
-    from cbdsl.robot.package_folders import PackageFolders
     from cbdsl.robot.srdf import SrdfModel
-    from cbdsl.robot.urdf import UrdfModel
     from cbdsl.scaffold.model_format import ConvertedModel
 
 
@@ -64,9 +63,6 @@ class ModelReader:
         Raises:
             UsageError: The model cannot be read, or needs a package that is not installed.
         """
-        from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.robot.urdf import UrdfError
-
         try:
             return self._read(name, folder)
         except UrdfError as error:
@@ -78,9 +74,7 @@ class ModelReader:
         Raises:
             UsageError: The groups cannot be read, or need a package that is not installed.
         """
-        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.srdf import parse_srdf, read_srdf
-        from cbdsl.robot.urdf import UrdfError
 
         try:
             if self._format(file) == "xacro":
@@ -90,8 +84,6 @@ class ModelReader:
             raise UsageError(f"srdf {error}") from None
 
     def _read(self, name: str, folder: Path) -> ModelSource:
-        from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.robot.robot_xml import robot_text
         from cbdsl.robot.urdf_reader import read_urdf
 
         # Order: formats that need a conversion come first. A plain URDF is copied only if it lacks
@@ -121,10 +113,6 @@ class ModelReader:
         The file's name or the user determines whether it is xacro; the contents do not.
         Files that the readers will refuse are ``robot``, too.
         """
-        from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
-        from cbdsl.robot.urdf import UrdfError
-        from cbdsl.storage.contents import contents
-
         if (file.suffix == ".xacro" or self._is_xacro) and file.is_file():
             return "xacro"
         try:
@@ -138,7 +126,6 @@ class ModelReader:
     def _converted(
         self, file: Path, kind: str, name: str, arguments: Mapping[str, str]
     ) -> ConvertedModel:
-        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.scaffold.model_format import MODEL_FORMATS
 
         try:
@@ -150,7 +137,6 @@ class ModelReader:
             ) from None
 
     def _local(self, text: str | bytes, how: str, name: str, folder: Path) -> ModelSource:
-
         urdf = localized(text, self._file, folder, self._packages, name)
         return self._written(urdf, how, name, folder, {}, ())
 
@@ -163,7 +149,6 @@ class ModelReader:
         meshes: Mapping[str, bytes],
         remarks: tuple[str, ...],
     ) -> ModelSource:
-        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.urdf_reader import parse_urdf
 
         path = folder / f"{name}.urdf"
@@ -183,9 +168,6 @@ class ModelReader:
 
 
 def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.robot.package_folders import PackageFolders
-
     # Checked for every model, also for one that refers to no package.
     for name, path in named.items():
         if not (path and Path(path).is_dir()):
@@ -200,8 +182,6 @@ def _pairs(option: str, texts: Sequence[str], separator: str) -> dict[str, str]:
     Raises:
         UsageError: A text has no name or no separator, or two texts have the same name.
     """
-    from cbdsl.diagnostics.errors import UsageError
-
     pairs: dict[str, str] = {}
     for text in texts:
         name, found_separator, value = text.partition(separator)
