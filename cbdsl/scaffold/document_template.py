@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections.abc import Mapping
@@ -10,12 +11,17 @@ from string import Template
 from types import MappingProxyType
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.diagnostics.legible_text import encoded
+from cbdsl.diagnostics.legible_text import encoded, seen
 from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.document import NAME_PATTERN, Document
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file
 from cbdsl.documents.kinds import KINDS, kind_of
 from cbdsl.storage.atomic_file import write_bytes
+
+# Unquoted texts that every YAML parser reads as strings, not as numbers, booleans or null.
+_PLAIN = re.compile(
+    r"(?!(?:true|false|null|yes|no|on|off|y|n)\Z)[A-Za-z_][\w./-]*\Z", re.ASCII | re.IGNORECASE
+)
 
 
 class DocumentTemplate:
@@ -143,3 +149,11 @@ def _schema(word: str, folder: Path, root: Path) -> tuple[Path, dict[Path, bytes
         return nearest, {}
     text = json_text(json_schema(KINDS.get(word).model))
     return root / file, {root / file: text.encode()}
+
+
+def scalar(text: str) -> str:
+    """Return a text as a YAML scalar, quoted as in JSON if necessary."""
+    # Names such as ``on`` or ``1e3`` are not strings in YAML without quotes.
+    if _PLAIN.match(text):
+        return text
+    return seen(json.dumps(text, ensure_ascii=False), lambda sign: f"\\u{ord(sign):04x}")

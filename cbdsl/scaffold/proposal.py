@@ -14,7 +14,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import re
@@ -23,21 +22,24 @@ from pathlib import Path
 from textwrap import TextWrapper
 from typing import NamedTuple
 
-import numpy as np
-
 from cbdsl.diagnostics.counting import count, some
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.diagnostics.legible_text import legible, seen
-from cbdsl.kinematics.joint_tree import JointTree
-from cbdsl.kinematics.ready_posture import ReadyPosture
+from cbdsl.diagnostics.legible_text import legible
 from cbdsl.robot.chains import Chain, chains, root
-from cbdsl.robot.link_place import PLACING, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
-from cbdsl.robot.tip_frame import is_acting, shape_corners, tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints
-from cbdsl.robot.urdf import Mimic, Numbers, UrdfError, UrdfJoint, UrdfModel
+from cbdsl.robot.urdf import Mimic, UrdfError, UrdfJoint, UrdfModel
+from cbdsl.scaffold.document_template import scalar
 from cbdsl.scaffold.hand import DAMPING, FORCE, STIFFNESS, ProposedHand
-from cbdsl.scaffold.start_contacts import Postures, StartContacts, start_contacts
+from cbdsl.scaffold.proposed_effector import (
+    between_pads,
+    coordinate,
+    effector_lines,
+    offset_of_tip,
+    proposed_postures,
+    values_lines,
+)
+from cbdsl.scaffold.start_contacts import StartContacts, start_contacts
 
 _COMMENT = TextWrapper(
     98,
@@ -47,23 +49,15 @@ _COMMENT = TextWrapper(
     break_long_words=False,
     break_on_hyphens=False,
 )
-# Unquoted texts that every YAML parser reads as strings, not as numbers, booleans or null.
-_PLAIN = re.compile(
-    r"(?!(?:true|false|null|yes|no|on|off|y|n)\Z)[A-Za-z_][\w./-]*\Z", re.ASCII | re.IGNORECASE
-)
 
 
 # Usual margin at the limits, rad or m, and its greatest share of a joint's range.
 _MOST_MARGIN = 0.01
 _SHARE = 0.05
-# Distances of a tip before a thing, in parts of the limb's length.
-_BEFORE = (0.02, 0.15)
 # Words for a side in the name of an effector, and the minimum number of joints of a limb.
 _SIDE = re.compile(r"(?:^|_)(?:left|right|l|r)(?=_|$)", re.IGNORECASE)
 _RIGHT = re.compile(r"(?:^|_)(?:right|r)(?=_|$)", re.IGNORECASE)
 _LIMB = 3
-# Rotation of a limb at its first joint for a posture beside the first posture, rad.
-_ASIDE = math.radians(30)
 _UNGROUPED = UnsupportedJoint("in no group of the SRDF", "give them an effector")
 
 
@@ -100,27 +94,27 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
     joints = sum(len(effector.joints) for effector in effectors.values())
     description = f"A robot with {count(joints, 'joint')} that programs can move."
     idle = _left_out(model, effectors)
-    tips = {name: _offset(model, effector) for name, effector in effectors.items()}
+    tips = {name: offset_of_tip(model, effector) for name, effector in effectors.items()}
     hands = _hands(model, limbs)
-    tips |= dict(_between_pads(model, effectors, hands))
+    tips |= dict(between_pads(model, effectors, hands))
     postures = {
         name: dict(each.postures)
-        or (hands[name].postures if name in hands else _proposed(model, each, tips[name]))
+        or (hands[name].postures if name in hands else proposed_postures(model, each, tips[name]))
         for name, each in effectors.items()
     }
     # Contacts depend on all effectors together: two arms may touch each other, and not themselves.
     contacts = start_contacts(model, effectors, postures)
     values = {
-        "description": _scalar(description),
-        "model": _scalar(Path(os.path.relpath(model.path, folder)).as_posix()),
-        "base": _scalar(root(model)),
+        "description": scalar(description),
+        "model": scalar(Path(os.path.relpath(model.path, folder)).as_posix()),
+        "base": scalar(root(model)),
         "effectors": "\n".join(
-            _effector(
+            effector_lines(
                 name,
                 each,
                 tips[name],
                 contacts.postures[name],
-                _values(model, each, tips[name], hands.get(name)),
+                values_lines(model, each, tips[name], hands.get(name)),
             )
             for name, each in effectors.items()
         ),
@@ -172,7 +166,7 @@ def _load_cells(hands: Mapping[str, ProposedHand]) -> str:
             finger = re.sub(r"\W+", "_", pad.link, flags=re.ASCII)
             finger = finger if finger[:1].isalpha() else f"pad_{finger}"
             lines.append(
-                f"    {finger}: {{link: {_scalar(pad.link)}, joint: {_scalar(pad.joint)}, "
+                f"    {finger}: {{link: {scalar(pad.link)}, joint: {scalar(pad.joint)}, "
                 f"normal: [{normal}]}}\n"
             )
     head = "\n# Pads that feel forces, and the directions in which they press.\nload_cells:\n"
@@ -204,146 +198,12 @@ def _materials(model: UrdfModel, hands: Mapping[str, ProposedHand]) -> str:
         return ""
     efforts = {pad.joint: 2 * FORCE * pad.lever for pad in pads}
     strong = {name: most for name, most in efforts.items() if model.joints[name].effort > most}
-    lines = [f"    {_scalar(name)}: {most:.2g}\n" for name, most in strong.items()]
+    lines = [f"    {scalar(name)}: {most:.2g}\n" for name, most in strong.items()]
     if lines:
         lines.insert(0, f"  # Fingers press with at most {FORCE} N.\n  efforts:\n")
-    links = ", ".join(_scalar(pad.link) for pad in pads)
+    links = ", ".join(scalar(pad.link) for pad in pads)
     surface = f"friction: 1, stiffness: {STIFFNESS}, damping: {DAMPING}, friction_anchor: true"
     return "".join((*lines, f"  surfaces:\n    - {{links: [{links}], {surface}}}\n"))
-
-
-_TIP = "  # The frame that has a position and an orientation; its offset is in the link's frame."
-
-
-def _offset(model: UrdfModel, effector: SemanticGroup) -> Numbers:
-    """Return the position of an effector's tip in the frame of the tip's link, m."""
-    if effector.tip is None:
-        return (0.0, 0.0, 0.0)
-    return tip_offset(model, effector.joints[-1], effector.tip)
-
-
-def _between_pads(
-    model: UrdfModel,
-    effectors: Mapping[str, SemanticGroup],
-    hands: Mapping[str, ProposedHand],
-) -> Iterator[tuple[str, Numbers]]:
-    """Yield the arms whose tip is between the pads of the hand that they carry, with its offset."""
-    for hand in hands.values():
-        way = [joint.name for joint in model.way(hand.pads[0].link)]
-        for name, each in effectors.items():
-            is_last = each.tip is not None and each.joints[-1].name in way
-            if is_last and each.tip is not None and not is_acting(each.tip):
-                yield name, hand.grip(each.tip)
-
-
-def _values(
-    model: UrdfModel, effector: SemanticGroup, offset: Numbers, hand: ProposedHand | None
-) -> list[str]:
-    """Return the values of an arm or a hand for programs over roles, as lines."""
-    if hand is not None:
-        span, unit = hand.span, "m" if effector.joints[0].slides else "rad"
-        shut = f"{hand.postures['closed'][0]:.4g} {unit}"
-        return [
-            "  # Width between the open pads, force of each, and where nothing is between them.",
-            f"  values: {{span: {100 * span:.3g} cm, grip: 8 N, shut: {shut}}}",
-        ]
-    if effector.tip is None or len(effector.joints) < PLACING:
-        return []
-    length = ReadyPosture(model, effector.joints, effector.tip, offset).length
-    beyond = _beyond_tip(model, effector, offset)
-    near, far = (f"{100 * (part * length + beyond):.2g} cm" for part in _BEFORE)
-    return [
-        "  # Distance of the tip from the surface of what it reaches for, and its bounds.",
-        f"  values: {{gap: {near}, nearest: {near}, farthest: {far}}}",
-    ]
-
-
-def _beyond_tip(model: UrdfModel, arm: SemanticGroup, offset: Numbers) -> float:
-    """Return the extent of a hand beyond the tip that a program brings to objects, m.
-
-    Programs stand off along the tip's z axis. The hand may extend along it, beyond a flange, or
-    along another axis, with half of its width along z.
-    """
-    assert arm.tip is not None
-    carried = arm.joints[-1].child
-    links = [carried, *(joint.child for joint in model.beyond(carried))]
-    frames = JointTree(joint for root in model.roots for joint in model.beyond(root))
-    placed = frames.place(model.rests)
-    tip = placed[arm.tip].child
-    try:
-        heights = [
-            tip.rotation[:, 2] @ (at.position + at.rotation @ np.array(corner) - tip.position)
-            for at, link in ((placed[link].child, link) for link in links)
-            for corner in shape_corners(model, link)
-        ]
-    except UrdfError:
-        return 0.0  # the document gets a diagnostic for it
-    return max(0.0, float(max(heights, default=0.0)) - offset[2])
-
-
-def _effector(
-    name: str,
-    effector: SemanticGroup,
-    offset: Numbers,
-    postures: Postures,
-    values: Sequence[str],
-) -> str:
-    lengths = ", ".join(f"{each:g} m" for each in offset)
-    tip = f"  tip: {{link: {_scalar(effector.tip or '')}, offset: [{lengths}]}}"
-    lines = [
-        f"{name}:",
-        *(f"  # {legible(joint.name)}: {_limits(joint)}" for joint in effector.joints),
-        f"  joints: [{', '.join(_scalar(joint.name) for joint in effector.joints)}]",
-        *([] if effector.tip is None else [_TIP, tip]),
-        *_postures(effector.joints, postures),
-        *values,
-        f"  start: {next(iter(postures))}",
-    ]
-    return "\n".join(f"  {line}" for line in lines)
-
-
-def _proposed(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Postures:
-    """Return a start posture in which the tip can move in all directions, and another, if any.
-
-    The other posture is the model's own if the limb is clear of itself and the ground there, and
-    its efforts hold it. Else it is the start posture, turned aside at the first joint.
-    """
-    plain = tuple(at_first(joint) for joint in effector.joints)
-    if effector.tip is None:
-        return {"ready": plain}
-    row = ReadyPosture(model, effector.joints, effector.tip, offset)
-    ready = row.find()
-    # For example with fewer joints than a tip needs to move in three directions.
-    if ready == plain:
-        return {"ready": ready}
-    if row.is_clear(plain) and row.can_hold(plain):
-        return {"ready": ready, "middle" if any(plain) else "zero": plain}
-    # A turn at the first joint moves the limb as a whole, so that it stays clear of itself.
-    aside = (ready[0] + _ASIDE, *ready[1:])
-    first = effector.joints[0]
-    fits = not first.slides and (first.endless or aside[0] < first.upper)
-    fits = fits and row.can_hold(aside)
-    return {"ready": ready, "aside": aside} if fits else {"ready": ready}
-
-
-def _postures(joints: Sequence[UrdfJoint], postures: Mapping[str, Sequence[float]]) -> list[str]:
-    texts = [
-        f"{_scalar(name)}: [{', '.join(map(_coordinate, joints, positions))}]"
-        for name, positions in postures.items()
-    ]
-    if len(texts) == 1:
-        return [f"  postures: {{{texts[0]}}}"]
-    return ["  postures:", *(f"    {text}" for text in texts)]
-
-
-def _coordinate(joint: UrdfJoint, position: float) -> str:
-    """Return a position with its unit; whole degrees are written in degrees."""
-    if joint.slides:
-        return f"{position:.7g} m" if position else "0"
-    degrees = math.degrees(position)
-    # Whole degrees are easier to read than 0.7853982 rad.
-    whole = position and math.isclose(degrees, round(degrees), abs_tol=1e-6)
-    return f"{round(degrees)} deg" if whole else f"{position:.7g}"
 
 
 def _margin(effectors: Mapping[str, SemanticGroup]) -> float:
@@ -414,7 +274,7 @@ def _simulation(
             pairs = [pair for pair in pairs if frozenset(pair) not in known]
         if pairs:
             lines += [f"    # {where}\n"]
-            lines += [f"    - [{_scalar(one)}, {_scalar(other)}]\n" for one, other in pairs]
+            lines += [f"    - [{scalar(one)}, {scalar(other)}]\n" for one, other in pairs]
     if lines:
         head = "  # Links whose mutual contacts are ignored, since they touch\n  no_contact:\n"
         lines.insert(0, head)
@@ -433,20 +293,6 @@ def _remarks(contacts: StartContacts) -> Iterator[str]:
         )
 
 
-def _limits(joint: UrdfJoint) -> str:
-    if joint.endless:
-        return "without end"
-    scale, form, unit = (1.0, "g", "m") if joint.slides else (math.degrees(1.0), ".0f", "deg")
-    # A joint may be limited on one side only; a URDF may also state infinite limits.
-    if math.isfinite(joint.upper - joint.lower):
-        return f"{scale * joint.lower:{form}} to {scale * joint.upper:{form}} {unit}"
-    below, above = math.isfinite(joint.lower), math.isfinite(joint.upper)
-    if not (below or above):
-        return "without end"
-    word, limit = ("from", joint.lower) if below else ("to", joint.upper)
-    return f"{word} {scale * limit:{form}} {unit}, without end"
-
-
 def _passive(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> dict[str, Mimic]:
     """Return the passive joints that mimic an effector's joint, with their mimic relation."""
     actuated = {joint.name for effector in effectors.values() for joint in effector.joints}
@@ -459,15 +305,15 @@ def _passive(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> dict[s
 
 def _couplings(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> str:
     lines = [
-        f"  {_scalar(name)}: {{{_coupling(model.joints[name], mimic)}}}\n"
+        f"  {scalar(name)}: {{{_coupling(model.joints[name], mimic)}}}\n"
         for name, mimic in _passive(model, effectors).items()
     ]
     return "".join(("\n# Passive joints.\ncouplings:\n", *lines)) if lines else ""
 
 
 def _coupling(joint: UrdfJoint, mimic: Mimic) -> str:
-    offset = f", offset: {_coordinate(joint, mimic.offset)}" if mimic.offset else ""
-    return f"follows: {_scalar(mimic.joint)}, ratio: {mimic.ratio:.7g}{offset}"
+    offset = f", offset: {coordinate(joint, mimic.offset)}" if mimic.offset else ""
+    return f"follows: {scalar(mimic.joint)}, ratio: {mimic.ratio:.7g}{offset}"
 
 
 def _left_out(
@@ -508,11 +354,3 @@ def _nothing_to_move(model: UrdfModel) -> str:
 def _word(why: UnsupportedJoint) -> str:
     """Return the reason why joints are omitted, in a word or two."""
     return why.trait.partition(",")[0]
-
-
-def _scalar(text: str) -> str:
-    """Return a text as a YAML scalar, quoted as in JSON if necessary."""
-    # Names such as ``on`` or ``1e3`` are not strings in YAML without quotes.
-    if _PLAIN.match(text):
-        return text
-    return seen(json.dumps(text, ensure_ascii=False), lambda sign: f"\\u{ord(sign):04x}")
