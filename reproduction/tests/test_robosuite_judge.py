@@ -129,7 +129,8 @@ def test_robosuite_backend_exposes_regions_at_the_image_rate() -> None:
     assert not backend.observe().regions
     assert backend.ever_succeeded
     steps = [request for request in process.requests if request["do"] == "step"]
-    assert [len(steps[0]["arm"]), len(steps[0]["closing"])] == [7, 1]
+    # The fingers at zero are closed.
+    assert [len(steps[0]["arm"]), steps[0]["closing"]] == [7, 1.0]
 
 
 @pytest.mark.slow

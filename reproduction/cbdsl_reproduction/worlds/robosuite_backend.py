@@ -30,7 +30,7 @@ class RobosuiteBackend:
     process. Ideal cameras segment the objects of the task; rendered ones make images.
 
     Args:
-        robot: Robot document of the arms.
+        robot: Robot document of the arm.
         process: Process with the task.
         cameras: Cameras of the robot, which the process has, too.
         features: Bodies of the task that ideal cameras segment, by colour.
@@ -62,13 +62,10 @@ class RobosuiteBackend:
         ]
         self._links = [robot.load_cells[hand][finger].link for hand, finger in self._cells]
         self._per_image = max(1, round(robot.control.rate / robot.vision.rate))
-        hands = [name for name in robot.effectors if name in robot.load_cells]
-        self._hand_rows = [self._joints.of(name) for name in hands]
-        self._strokes = [robot.effectors[name].postures for name in hands]
-        moved = {int(row) for rows in self._hand_rows for row in rows}
-        self._arm_rows = [r for r in range(len(self._joints.names)) if r not in moved]
+        (hand,) = robot.load_cells
+        self._hand_rows, self._stroke = self._joints.of(hand), robot.effectors[hand].postures
+        self._arm_rows = np.delete(np.arange(len(self._joints.names)), self._hand_rows)
         self.succeeded = self.ever_succeeded = False
-        self._seed = 0
 
     def reset(
         self,
@@ -98,10 +95,9 @@ class RobosuiteBackend:
         self._process.ask(
             "step",
             arm=self._reference[self._arm_rows].tolist(),
-            closing=[
-                stroke_share(self._reference[rows], postures["open"], postures["closed"])
-                for rows, postures in zip(self._hand_rows, self._strokes, strict=True)
-            ],
+            closing=stroke_share(
+                self._reference[self._hand_rows], self._stroke["open"], self._stroke["closed"]
+            ),
         )
         self._tick += 1
         self._observation = self._sense()

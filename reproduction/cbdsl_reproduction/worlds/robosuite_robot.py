@@ -15,7 +15,7 @@ _IMAGES = 12.5  # per second
 
 
 def write_robot(name: str, process: RobosuiteProcess, cameras: CameraPair, folder: Path) -> Path:
-    """Write the robot document of the arms of a task.
+    """Write the robot document of the arm of a task.
 
     Args:
         name: Name of the robot.

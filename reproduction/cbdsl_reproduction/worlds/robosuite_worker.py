@@ -24,17 +24,19 @@ _STROKE = 1.5
 _GAIN, _DAMPING = 300.0, 1.0
 _GRAVITY = 9.81  # m/s^2
 _TIP_SITE = "grip_site"
+# Name of the only arm of a robot.
+_SIDE = "right"
 # Groups of geoms: those of robosuite for contacts and for images, and the robots' own of both. The
 # meshes of robots have 100,000 triangles; their outlines are those of the shapes for contacts.
 _CONTACTS, _IMAGES, _SURFACES, _OUTLINES = 0, 1, 4, 5
 
 
 class RobosuiteWorld:
-    """One task of robosuite with its robots.
+    """One task of robosuite with one arm.
 
     Args:
         task: Name of the environment.
-        arms: Names of the robots.
+        arm: Name of the robot.
         rate: Control rate, Hz.
         cameras: Position and orientation (xyz axes by columns) of the cameras, by name.
         view: Width and height of an image, px, and vertical angle of view, deg.
@@ -43,12 +45,12 @@ class RobosuiteWorld:
     def __init__(
         self,
         task: str,
-        arms: list[str],
+        arm: str,
         rate: float,
         cameras: dict[str, dict[str, list[float]]],
         view: tuple[int, int, float],
     ) -> None:
-        self._task, self._arms, self._rate = task, arms, rate
+        self._task, self._arm, self._rate = task, arm, rate
         self._cameras, self._view = cameras, view
         self._env: Any = None
         self._renderer: mujoco.Renderer | None = None
@@ -57,23 +59,21 @@ class RobosuiteWorld:
     def reset(self, seed: int) -> None:
         """Make the environment anew, so that equal seeds give equal episodes."""
         self.close()
-        config = load_composite_controller_config(controller="BASIC", robot=self._arms[0])
-        for name, part in config["body_parts"].items():
-            if name in ("right", "left"):
-                part.update(
-                    type="JOINT_POSITION",
-                    input_type="absolute",
-                    kp=_GAIN,
-                    damping_ratio=_DAMPING,
-                    output_max=1,
-                    output_min=-1,
-                    interpolation="linear",
-                    ramp_ratio=1.0,
-                )
+        config = load_composite_controller_config(controller="BASIC", robot=self._arm)
+        config["body_parts"][_SIDE].update(
+            type="JOINT_POSITION",
+            input_type="absolute",
+            kp=_GAIN,
+            damping_ratio=_DAMPING,
+            output_max=1,
+            output_min=-1,
+            interpolation="linear",
+            ramp_ratio=1.0,
+        )
         self._env = robosuite.make(
             self._task,
-            robots=self._arms if len(self._arms) > 1 else self._arms[0],
-            controller_configs=[config] * len(self._arms) if len(self._arms) > 1 else config,
+            robots=self._arm,
+            controller_configs=config,
             has_renderer=False,
             has_offscreen_renderer=False,
             use_camera_obs=False,
@@ -94,7 +94,8 @@ class RobosuiteWorld:
                 own = {_CONTACTS: _OUTLINES, _IMAGES: _SURFACES}
                 group = int(self.model.geom_group[geom])
                 self.model.geom_group[geom] = own.get(group, group)
-        self.hands = [SharedGripper(robot, arm) for robot in self._env.robots for arm in robot.arms]
+        (self._robot,) = self._env.robots
+        self._hand = SharedGripper(self._robot)
 
     def close(self) -> None:
         """Free the environment and its renderer."""
@@ -115,34 +116,20 @@ class RobosuiteWorld:
         """State of MuJoCo."""
         return self._env.sim.data._data
 
-    def step(self, arm: list[float], closing: list[float]) -> None:
+    def step(self, arm: list[float], closing: float) -> None:
         """Let one control period pass.
 
         Args:
-            arm: References of all joints of the arms, rad, shape (n,).
-            closing: References of the hands, from 0 (open) to 1 (closed).
+            arm: References of the joints of the arm, rad, shape (n,).
+            closing: Reference of the hand, from 0 (open) to 1 (closed).
         """
-        actions, taken = [], 0
-        for robot in self._env.robots:
-            parts = {}
-            for side in robot.arms:
-                count = len(robot.part_controllers[side].qpos_index)
-                parts[side] = np.array(arm[taken : taken + count])
-                taken += count
-            for hand, share in zip(self.hands, closing, strict=True):
-                if hand.robot is robot:
-                    hand.share = share
-                    parts[hand.part] = np.zeros(hand.gripper.dof)
-            actions.append(robot.create_action_vector(parts))
-        self._env.step(np.concatenate(actions))
+        self._hand.share = closing
+        parts = {_SIDE: np.array(arm), self._hand.part: np.zeros(self._hand.gripper.dof)}
+        self._env.step(self._robot.create_action_vector(parts))
 
     def success(self) -> bool:
         """Return the verdict of the task's own test."""
         return bool(self._env._check_success())
-
-    def body_names(self) -> list[str]:
-        """Return the names of all bodies."""
-        return [self.model.body(index).name for index in range(self.model.nbody)]
 
     def read(self, joints: list[str], cells: list[str]) -> dict[str, Any]:
         """Return the measurements of encoders and load cells, and the verdict of the task.
@@ -158,7 +145,6 @@ class RobosuiteWorld:
             "velocities": [float(data.qvel[each.dofadr[0]]) for each in places],
             "wrenches": self._wrenches([model.body(name).id for name in cells]),
             "success": self.success(),
-            "time": float(data.time),
         }
 
     def _wrenches(self, cells: list[int]) -> list[list[float]]:
@@ -258,35 +244,31 @@ class RobosuiteWorld:
         return ET.tostring(root, encoding="unicode")
 
     def robot_model(self) -> str:
-        """Return the robots alone as MJCF, with their hands' measured couplings and the cameras.
+        """Return the robot alone as MJCF, with its hand's measured couplings and the cameras.
 
-        Closed chains and tendons of grippers are replaced by couplings of joints: each joint
+        The closed chains and tendons of a gripper are replaced by couplings of joints: each joint
         follows one with an actuator, as in a gripper that closes on nothing.
         """
-        first, *others = (ET.fromstring(r.robot_model.get_xml()) for r in self._env.robots)
-        for other in others:
-            for name in ("worldbody", "asset", "actuator", "contact"):
-                _section(first, name).extend(list(_section(other, name)))
+        root = ET.fromstring(self._robot.robot_model.get_xml())
         for name in ("sensor", "tendon", "equality", "keyframe"):
-            for section in first.findall(name):
-                first.remove(section)
-        _keep_tips(first)
-        for hand in self.hands:
-            self._couple(hand, first)
+            for section in root.findall(name):
+                root.remove(section)
+        _keep_tips(root)
+        self._couple(root)
         for name, place in self._cameras.items():
             axes = np.reshape(place["axes"], (3, 3))
-            body = ET.SubElement(_section(first, "worldbody"), "body", name=f"{name}_camera")
+            body = ET.SubElement(_section(root, "worldbody"), "body", name=f"{name}_camera")
             body.set("pos", _text(place["position"]))
             body.set("xyaxes", _text([*axes[:, 0], *axes[:, 1]]))
-        return ET.tostring(first, encoding="unicode")
+        return ET.tostring(root, encoding="unicode")
 
-    def _couple(self, hand: SharedGripper, root: ET.Element) -> None:
-        """Replace the actuators of a hand by a leading joint and couplings."""
+    def _couple(self, root: ET.Element) -> None:
+        """Replace the actuators of the hand by a leading joint and couplings."""
         actuators = _section(root, "actuator")
         for actuator in list(actuators):
-            if actuator.get("name") in hand.gripper.actuators:
+            if actuator.get("name") in self._hand.gripper.actuators:
                 actuators.remove(actuator)
-        leader, followers = self.couplings(hand)
+        leader, followers = self.couplings()
         for joint in root.iter("joint"):
             if joint.get("name") == leader.name:
                 joint.set("range", _text(sorted((leader.open, leader.closed))))
@@ -301,14 +283,13 @@ class RobosuiteWorld:
             coupling.set("joint2", leader.name)
             coupling.set("polycoef", f"{start - first:.9g} {ratio:.9g} 0 0 0")
 
-    def couplings(self, hand: SharedGripper) -> tuple[Stroke, list[Stroke]]:
-        """Open and close a hand; return the leading joint and its followers."""
-        joints = [self.model.joint(name) for name in hand.gripper.joints]
+    def couplings(self) -> tuple[Stroke, list[Stroke]]:
+        """Open and close the hand; return the leading joint and its followers."""
+        joints = [self.model.joint(name) for name in self._hand.gripper.joints]
         ends = []
         for share in (0.0, 1.0):
             for _ in range(round(_STROKE * self._rate)):
-                arm = [q for robot in self._env.robots for q in robot._joint_positions]
-                self.step(arm, [share] * len(self.hands))
+                self.step(self._robot._joint_positions, share)
             ends.append([float(self.data.qpos[each.qposadr[0]]) for each in joints])
         rows = [
             Stroke(each.name, float(self.model.qpos0[each.qposadr[0]]), *both)
@@ -316,7 +297,7 @@ class RobosuiteWorld:
         ]
         driven = [
             self.model.joint(int(self.model.actuator(name).trnid[0])).name
-            for name in hand.gripper.actuators
+            for name in self._hand.gripper.actuators
             if self.model.actuator(name).trntype[0] == mujoco.mjtTrn.mjTRN_JOINT
         ]
         leaders = [row for row in rows if row.name in driven] or rows
@@ -336,17 +317,16 @@ class SharedGripper:
 
     Args:
         robot: Robot of robosuite.
-        arm: Arm that carries it.
 
     Attributes:
-        robot, gripper: Robot and gripper of robosuite.
+        gripper: Gripper of robosuite.
         part: Name of its part in an action.
         share: Reference, from 0 (open) to 1 (closed).
     """
 
-    def __init__(self, robot: Any, arm: str) -> None:
-        self.robot, self.gripper = robot, robot.gripper[arm]
-        self.part, self.share = robot.get_gripper_name(arm), 0.0
+    def __init__(self, robot: Any) -> None:
+        self.gripper = robot.gripper[_SIDE]
+        self.part, self.share = robot.get_gripper_name(_SIDE), 0.0
         closed, opened = (self._end(sign) for sign in (1.0, -1.0))
         self.gripper.format_action = lambda _: opened + self.share * (closed - opened)
 
@@ -391,7 +371,7 @@ def answer(world: RobosuiteWorld, request: dict[str, Any]) -> tuple[dict[str, An
     match request["do"]:
         case "reset":
             world.reset(request["seed"])
-            return {"bodies": world.body_names()}, b""
+            return {}, b""
         case "model":
             return {"xml": world.robot_model()}, b""
         case "step":
