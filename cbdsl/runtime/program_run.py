@@ -12,19 +12,14 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.edit import EditTaken, continuation
 from cbdsl.program.schema import NO_FEATURES, Features
-from cbdsl.program.transition import Transition, title_of
+from cbdsl.program.transition import Transition
 from cbdsl.robot.channel_names import named_colors
-from cbdsl.runtime.action_clock import ActionClock
-from cbdsl.runtime.action_levels import ActionLevels, Active
-from cbdsl.runtime.action_runs import ActionRuns, ChildRun, subprogram_runs
-from cbdsl.runtime.context_reader import ContextReader, FeatureLooks
+from cbdsl.runtime.action_levels import Active
+from cbdsl.runtime.action_runs import ChildRun
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.controllers.controller_runs import ControllerRuns
-from cbdsl.runtime.fruitless_loop import FruitlessLoop
-from cbdsl.runtime.lost_objects import LostObjects
-from cbdsl.runtime.policies.learned_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy
-from cbdsl.runtime.rewards import Rewards
+from cbdsl.runtime.program_parts import ProgramParts
 from cbdsl.sensing.signals import Signals
 
 
@@ -59,7 +54,7 @@ class ProgramRun:
         use: str = "",
     ) -> None:
         self._use, self._depth = use, depth
-        self._signals, self._plan, self._period = signals, plan, period
+        self._signals, self._context = signals, (signals, plan, period)
         self._controllers = ControllerRuns(signals, plan, period)
         self.children: dict[str, ProgramRun] = {}
         self._rng: np.random.Generator | None = None
@@ -67,41 +62,15 @@ class ProgramRun:
         self._action: Action | None = None
         self.predicate, self.state = "X", ""
         self._load(program)
-        self._policy = self._written
+        self._policy = self._parts.written
 
     def _load(self, program: CheckedProgram) -> None:
         """Build the parts of a program; controllers and programs that it had before are kept."""
-        signals, plan, period = self._signals, self._plan, self._period
-        self.program, self._title = program, title_of(program.name, self._use)
-        schema = program.schema
-        self._context = None if schema is None else ContextReader(schema, signals)
-        self._written = own_policy(program)
-        # An action of a schema is chosen by its abstract action and allocation, or by its own name.
-        self._actions = {(action.name, ""): action for action in program.actions}
-        self._actions |= {(each.abstract, each.allocation): each for each in program.actions}
-        kept, make = self.children, self._controllers.successor()
-        self._controllers = make
-        self._levels = ActionLevels(program, make)
-        self._lost = LostObjects(program, signals.vision, signals.robot.vision.channels.aliases)
-        make.aim()
-        self.runs: tuple[ControllerRun, ...] = make.all
-        conditions = {
-            name: plan.conditions.add(each, {r: signals.bind(r) for r in each.resources}, period)
-            for name, each in program.conditions.items()
-        }
-        self.children = subprogram_runs(program, partial(self._inner, kept))
-        looks = {
-            feature: self._inner(kept, look.program, f"look for {feature}")
-            for feature, look in program.looks.items()
-        }
-        self._looks = FeatureLooks(looks, self._context)
-        # These keys differ from all names of actions, because they consist of several words.
-        self.children |= {f"look for {feature}": each for feature, each in looks.items()}
-        slots = [run.slot for run in self.runs]
-        self._running = ActionRuns(program, self._levels, self.children, plan, slots, conditions)
-        self._rewards = Rewards(program, self._levels, self.children)
-        self._clock = ActionClock(program, period)
-        self._loop = FruitlessLoop(program, signals)
+        self._controllers, self.program = self._controllers.successor(), program
+        child = partial(self._inner, self.children)
+        self._parts = ProgramParts(program, self._use, *self._context, self._controllers, child)
+        self.children = self._parts.children
+        self.runs: tuple[ControllerRun, ...] = self._controllers.all
 
     def begin(
         self,
@@ -117,7 +86,7 @@ class ProgramRun:
             policy: Policy that chooses the actions in place of the program's written policy.
         """
         self._listener, self._rng = listener, rng
-        self._policy = policy or self._written
+        self._policy = policy or self._parts.written
         # A learner learns to be rewarded, so a reward ends its episodes.
         self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
@@ -150,11 +119,12 @@ class ProgramRun:
         program, self._offered = self._offered, None
         if program is None:
             return
-        known, followed = set(self.runs), self._policy is self._written
+        known, parts, followed = set(self.runs), self._parts, self._policy is self._parts.written
         self._load(program)
+        self._parts.clock.succeed(parts.clock)
         if followed:
-            self._policy = self._written
-        self._on_edit(EditTaken(program, self._title, self._depth, self._signals.time, note))
+            self._policy = self._parts.written
+        self._on_edit(EditTaken(program, self._parts.title, self._depth, self._signals.time, note))
         if self._rng is None:
             return  # no episode has begun
         for run in self.runs:
@@ -170,20 +140,18 @@ class ProgramRun:
 
     def _take_up(self, *, changed: bool) -> bool:
         """Become the offered program at a change of state; return whether its exits decide."""
-        before, action, running = self.program, self._action, self._running
+        before, action, running = self.program, self._action, self._parts.running
         assert self._offered is not None
         assert action is not None
         child = self.children.get(action.name)
         ran = None if child is None else child.program
         to = continuation(before, self._offered, action, ran, changed=changed)
         letters = dict(zip(before.members, self.state, strict=True))
-        clock = self._clock
         self._replace(to.note)
-        self._clock.succeed(clock)
-        self._running.succeed(running, action)
+        self._parts.running.succeed(running, action)
         if to.decides:
             self.state = "".join(letters.get(each, "X") for each in self.program.members)
-            self._action = self._actions[to.action, ""]
+            self._action = self._parts.actions[to.action, ""]
             return True
         self.state, self._action = "X" * len(self.program.members), None
         if to.action:
@@ -207,12 +175,12 @@ class ProgramRun:
         self.is_open = self._was_changed = False
         self._action = None
         self._withdraws = False
-        self._looks.forget()
-        self._running.forget()
+        self._parts.looks.forget()
+        self._parts.running.forget()
         self._composed: Sequence[Active] | None = None
         self._features: Features = NO_FEATURES
-        self._clock.restart()
-        self._loop.forget()
+        self._parts.clock.restart()
+        self._parts.loop.forget()
 
     def activate(self) -> None:
         """Start from the beginning unless it is running."""
@@ -223,19 +191,19 @@ class ProgramRun:
         self._policy.begin()
         for run in self.background:
             run.activate()
-        if not (self._policy.allocates and self._looks.begin()):
+        if not (self._policy.allocates and self._parts.looks.begin()):
             self._choose(changed=True)
 
     def _look_on(self, look: ChildRun) -> None:
         """Advance the search; choose an action once all searches have ended."""
-        self._clock.advance_search()
-        if not self._looks.advance(look):
+        self._parts.clock.advance_search()
+        if not self._parts.looks.advance(look):
             self._choose(changed=True)
 
     @property
     def background(self) -> Sequence[ControllerRun]:
         """Controllers that act below every action, highest priority first."""
-        return self._levels.background
+        return self._parts.levels.background
 
     @property
     def action(self) -> Action | None:
@@ -245,7 +213,7 @@ class ProgramRun:
     @property
     def stuck(self) -> tuple[str, ...]:
         """Members of the running action at rest beyond their tolerance, in written order."""
-        return () if self._action is None else self._rewards.stuck(self._action)
+        return () if self._action is None else self._parts.rewards.stuck(self._action)
 
     def active(self) -> Sequence[Active]:
         """Return the active levels, highest priority first, down to the background.
@@ -255,11 +223,11 @@ class ProgramRun:
         if self._composed is not None:
             return self._composed
         if self._withdraws:
-            return self._levels.alone
-        look = self._looks.current
+            return self._parts.levels.alone
+        look = self._parts.looks.current
         if look is not None:
-            return self._running.of_search(look)
-        return () if self._action is None else self._running.of_action(self._action)
+            return self._parts.running.of_search(look)
+        return () if self._action is None else self._parts.running.of_action(self._action)
 
     def compose(self, names: Sequence[str] | None) -> None:
         """Let a stack act in place of actions, above the background.
@@ -283,7 +251,7 @@ class ProgramRun:
             run.activate()
         self._action, self._withdraws = None, False
         if names is not None:
-            self._composed = self._levels.of_stack(stack)
+            self._composed = self._parts.levels.of_stack(stack)
             return
         self._composed = None
         self._replace()
@@ -299,8 +267,7 @@ class ProgramRun:
             if each._use == use:
                 each.offer(program, self._on_edit)
                 return each
-        signals, plan, period = self._signals, self._plan, self._period
-        return ProgramRun(program, signals, plan, period, self._depth + 1, use)
+        return ProgramRun(program, *self._context, self._depth + 1, use)
 
     @property
     def succeeded(self) -> bool:
@@ -320,27 +287,27 @@ class ProgramRun:
     @property
     def losses(self) -> tuple[str, ...]:
         """One clause for each object that was seen and has no remembered position."""
-        return tuple(map(str, self._lost.find(self._signals.time)))
+        return tuple(map(str, self._parts.lost.find(self._signals.time)))
 
     def leads(self, action: Action) -> list[ControllerRun]:
         """Return the leading controllers of an action's primitives, highest priority first."""
-        return [lead.run for lead in reversed(self._levels.leads.get(action.name, []))]
+        return [lead.run for lead in reversed(self._parts.levels.leads.get(action.name, []))]
 
     def advance(self) -> None:
         """Read the predicates of this tick; change the action if the state changed."""
         if self.predicate != "0" or self.is_open or self._composed is not None:
             return
-        look = self._looks.current
+        look = self._parts.looks.current
         if look is not None:
             self._look_on(look)
         elif self._withdraws:
             self._withdraw()
         elif self._action is not None:
             self._act(self._action)
-        if self.predicate == "0" and self._clock.is_episode_over:
+        if self.predicate == "0" and self._parts.clock.is_episode_over:
             # A program that states its success is achieved in one of these states only.
             is_done = self.rewarded and not self.program.success
-            limit = f"the {self.program.episode_time:g} s of {self._title}"
+            limit = f"the {self.program.episode_time:g} s of {self._parts.title}"
             self._end("1" if is_done else "-", f"{limit} were over")
         self._end_without_objects()
 
@@ -349,27 +316,27 @@ class ProgramRun:
         limit = self.program.lost_time
         if limit is None or self.predicate != "0":
             return
-        if any(loss.seconds >= limit for loss in self._lost.find(self._signals.time)):
+        if any(loss.seconds >= limit for loss in self._parts.lost.find(self._signals.time)):
             self.outcome = "failure" if self.program.success or self.program.failure else ""
             self._end("-", "")
 
     def _withdraw(self) -> None:
         """Wait until the background is at rest, then choose again."""
-        self._clock.advance()
-        if self._clock.is_over or all(run.predicate != "0" for run in self.background):
+        self._parts.clock.advance()
+        if self._parts.clock.is_over or all(run.predicate != "0" for run in self.background):
             self._withdraws = False
             self._choose(changed=True)
 
     def _act(self, action: Action) -> None:
         child = self.children.get(action.name)
-        if child is not None and self._running.is_awaited(action):
+        if child is not None and self._parts.running.is_awaited(action):
             child.activate()
         # The child is first, because its predicate is part of the state that is read below.
         if child is not None:
             child.advance()
-        self._clock.advance()
-        self._running.restart_quiescence(action)
-        state = self._running.read(action)
+        self._parts.clock.advance()
+        self._parts.running.restart_quiescence(action)
+        state = self._parts.running.read(action)
         # A program limits its own transitions. It may also end again with its last predicate
         # within one tick, and then it is over although the state has not changed.
         if child is None or action.composition is not None:
@@ -381,17 +348,17 @@ class ProgramRun:
 
     def _is_overdue(self, action: Action, state: str) -> bool:
         """Return whether an action has used up its time, in total or without activity."""
-        if self._clock.is_over:
+        if self._parts.clock.is_over:
             return True
-        return self._clock.is_idle(strives=self._running.strives(action, state))
+        return self._parts.clock.is_idle(strives=self._parts.running.strives(action, state))
 
     def _transit(self, state: str) -> None:
         assert self._action is not None
         changed = state != self.state
-        rewarding = self._rewards.rewarding(self._action, self.state, state)
+        rewarding = self._parts.rewards.rewarding(self._action, self.state, state)
         # An edited program decides instead.
         is_edited = self._offered is not None
-        conclusion = None if is_edited else self._rewards.conclusion(state, self.stuck)
+        conclusion = None if is_edited else self._parts.rewards.conclusion(state, self.stuck)
         self.transitions += 1
         self._listener(
             Transition(
@@ -401,7 +368,7 @@ class ProgramRun:
                 self.state,
                 self._action.name,
                 state,
-                self._clock.ticks,
+                self._parts.clock.ticks,
                 len(rewarding),
                 rewarding,
                 self._action.allocation,
@@ -415,7 +382,7 @@ class ProgramRun:
         if is_edited:
             if not self._take_up(changed=changed):
                 return
-            conclusion, state = self._rewards.conclusion(self.state, self.stuck), self.state
+            conclusion, state = self._parts.rewards.conclusion(self.state, self.stuck), self.state
         # A stated success or failure has precedence over a reward and over the number of
         # transitions.
         if conclusion is not None:
@@ -424,10 +391,12 @@ class ProgramRun:
         elif rewarding and self._reward_ends:
             self._end("1", "")
         elif self.transitions >= self.program.transitions:
-            self._end("-", f"{self._title} used up its {self.transitions} transitions")
+            self._end("-", f"{self._parts.title} used up its {self.transitions} transitions")
         # A learner may try actions again that have changed nothing.
-        elif self._policy is self._written and (loop := self._loop.note(self._action.name, state)):
-            self._end("-", f"{self._title} {loop}")
+        elif self._policy is self._parts.written and (
+            loop := self._parts.loop.note(self._action.name, state)
+        ):
+            self._end("-", f"{self._parts.title} {loop}")
         else:
             self._choose(changed=changed)
 
@@ -435,9 +404,9 @@ class ProgramRun:
         if isinstance(self._policy, DeferredPolicy):
             self.is_open, self._was_changed = True, changed
             return
-        features = self._read_context()
+        features = self._parts.read_context()
         tells_rest = self._policy.tells_rest and self._action is not None
-        state = self._rewards.with_rests(self.state, self.stuck) if tells_rest else self.state
+        state = self._parts.rewards.with_rests(self.state, self.stuck) if tells_rest else self.state
         choice = self._policy.choose(state, changed=changed, features=features)
         if choice.withdraws:
             self._begin_withdrawal()
@@ -453,39 +422,28 @@ class ProgramRun:
         if not self.is_open:
             raise ValueError("no choice is open")
         self.is_open = False
-        self._begin_action(Choice(name), self._read_context(), self._was_changed)
-
-    def _read_context(self) -> Features:
-        """Return the features of the program's schema; none without a schema."""
-        return NO_FEATURES if self._context is None else self._context.read()
+        self._begin_action(Choice(name), self._parts.read_context(), self._was_changed)
 
     def _begin_action(self, choice: Choice, features: Features, changed: bool) -> None:
         if choice.action is None:
             is_done = self.rewarded and not self._reward_ends
-            final = self._rewards.final(self.state, self.stuck, changed=changed, is_done=is_done)
-            self._end(final, self._no_action(choice, changed))
+            parts, state = self._parts, self.state
+            final = parts.rewards.final(state, self.stuck, changed=changed, is_done=is_done)
+            ran = "" if changed or self._action is None else self._action.name
+            self._end(final, parts.no_action(choice.reason, state, ran))
             return
-        before, self._action = self._action, self._actions[choice.action, choice.allocation]
+        before, self._action = self._action, self._parts.actions[choice.action, choice.allocation]
         self._features = {k: value for k, value in features.items() if not math.isnan(value)}
-        self._clock.begin_action()
-        self._running.start(self._action, before)
+        self._parts.clock.begin_action()
+        self._parts.running.start(self._action, before)
 
     def _begin_withdrawal(self) -> None:
         """Leave all control to the background until it is at rest."""
         if self._action is not None:
-            self._running.stop(self._action)
-        self._running.restart_background()
+            self._parts.running.stop(self._action)
+        self._parts.running.restart_background()
         self._action, self._withdraws = None, True
-        self._clock.begin_action()
-
-    def _no_action(self, choice: Choice, changed: bool) -> str:
-        if choice.reason:
-            return f"{self._title}: {choice.reason}"
-        if changed:
-            return f"{self._title} has no action for state {self.state}"
-        seconds = self._clock.seconds
-        assert self._action is not None
-        return f"{self._action.name} changed nothing in {seconds:.0f} s (state {self.state})"
+        self._parts.clock.begin_action()
 
     def _end(self, predicate: str, ending: str) -> None:
         self.predicate = predicate
