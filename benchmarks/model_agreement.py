@@ -109,8 +109,8 @@ def by_mujoco(robot: RobotDocument, model: UrdfModel) -> Placing:
     """Return placements of the engine ``mujoco``."""
     import mujoco  # noqa: TID251 (the judge, not the robot)
 
-    from cbdsl.backends.mujoco.robot_spec import body_name, compile_spec, make_robot_spec
     from cbdsl.robot.joints import Joints
+    from cbdsl_mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 
     joints = Joints(robot)
     compiled = compile_spec(make_robot_spec(robot, model, 0.004), model)
@@ -225,8 +225,7 @@ def main() -> None:
     parser.add_argument("--postures", type=int, default=5)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    import cbdsl.backends.bullet.engine
-    import cbdsl.backends.mujoco.engine  # noqa: F401 - once, before processes are made of this one
+    import cbdsl_mujoco.engine  # noqa: F401 - once, before processes are made of this one
 
     rows = []
     for folder in options.folders:

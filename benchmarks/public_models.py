@@ -194,8 +194,7 @@ def main() -> None:
     parser.add_argument("--only", help="parts of names, separated by commas")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    import cbdsl.backends.bullet.engine
-    import cbdsl.backends.mujoco.engine  # noqa: F401 - once, before processes are made of this one
+    import cbdsl_mujoco.engine  # noqa: F401 - once, before processes are made of this one
 
     wanted = options.only.split(",") if options.only else [""]
     rows = []

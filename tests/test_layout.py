@@ -16,7 +16,6 @@ MIRRORS = {
         "backends",
         "backends/bullet",
         "backends/kinematic",
-        "backends/mujoco",
         "backends/staging",
     ),
     "one document kind: its model, its check, its compiled data, and its door for Python": (

@@ -11,7 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from cbdsl.backends.distributions import require_unmixed
-from cbdsl.backends.engines import MODULES, remedy
+from cbdsl.backends.engines import remedy
 from cbdsl.backends.quiet import quiet_stderr
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
@@ -217,11 +217,14 @@ BACKENDS: Registry[BackendFactory] = Registry(
     {
         "bullet": "cbdsl.backends.bullet.backend:BulletBackend",
         "kinematic": "cbdsl.backends.kinematic.backend:KinematicBackend",
-        "mujoco": "cbdsl.backends.mujoco.backend:MujocoBackend",
     },
     _factory,
-    providers={"ros2": "cbdsl[ros2]"},
+    providers={"mujoco": "cbdsl[mujoco]", "ros2": "cbdsl[ros2]"},
 )
+
+
+# Modules of engines that several distributions provide.
+_SHARED_MODULES = {"bullet": "pybullet", "mujoco": "mujoco"}
 
 
 def name_of(backend: Backend) -> str:
@@ -237,7 +240,7 @@ def find_backend(name: str) -> BackendFactory:
             version, or the target is not a backend.
     """
     try:
-        require_unmixed(MODULES.get(name, ""))
+        require_unmixed(_SHARED_MODULES.get(name, ""))
         with quiet_stderr():  # engines say when they were built, in each process that has one
             return BACKENDS.get(name)
     except ImportError as error:

@@ -6,8 +6,12 @@ import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 
-#: Module that each engine of cbdsl requires, in the order of preference.
-MODULES: Mapping[str, str] = {"bullet": "pybullet", "mujoco": "mujoco", "kinematic": "pinocchio"}
+#: Module that each engine of this project requires, in the order of preference.
+MODULES: Mapping[str, str] = {
+    "bullet": "pybullet",
+    "mujoco": "cbdsl_mujoco",
+    "kinematic": "pinocchio",
+}
 
 # First version of Python for which a package of the extra has no wheels.
 _NO_WHEELS = {"bullet": (3, 14), "ros2": (3, 14)}

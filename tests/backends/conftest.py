@@ -31,9 +31,8 @@ SELF_CONTAINED = tuple(
 Simulated = SimulatedBackend[Any]
 BACKENDS: dict[str, type[Simulated]] = {
     name: backend
-    for name in backends.BACKENDS.builtins
-    if name in installed_engines()
-    and (backend := backends.BACKENDS.get(name))
+    for name in installed_engines()
+    if (backend := backends.BACKENDS.get(name))
     and isinstance(backend, type)
     and issubclass(backend, SimulatedBackend)
 }

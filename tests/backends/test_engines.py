@@ -14,7 +14,7 @@ from tests.conftest import ROOT
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
-DISTRIBUTIONS = {"bullet": {"pybullet", "pybullet-arm64"}, "mujoco": {"mujoco"}}
+DISTRIBUTIONS = {"bullet": {"pybullet", "pybullet-arm64"}, "mujoco": {"cbdsl-mujoco"}}
 VERSIONS = ("3.11", "3.12", "3.13", "3.14")
 
 
@@ -26,8 +26,8 @@ def show(monkeypatch: pytest.MonkeyPatch, names: Collection[str]) -> None:
 @pytest.mark.parametrize(
     ("modules", "engine"),
     [
-        ({"pybullet", "mujoco", "pinocchio"}, "bullet"),
-        ({"mujoco", "pinocchio"}, "mujoco"),
+        ({"pybullet", "cbdsl_mujoco", "pinocchio"}, "bullet"),
+        ({"cbdsl_mujoco", "pinocchio"}, "mujoco"),
         ({"pinocchio"}, "kinematic"),
         (set(), "kinematic"),
     ],
@@ -46,7 +46,7 @@ def test_remedy_names_the_extra_and_the_installed_engines(monkeypatch: pytest.Mo
 
 
 def test_remedy_proposes_no_engine_without_wheels(monkeypatch: pytest.MonkeyPatch) -> None:
-    show(monkeypatch, {"mujoco", "pinocchio"})
+    show(monkeypatch, {"cbdsl_mujoco", "pinocchio"})
     monkeypatch.setattr(sys, "version_info", (3, 14, 0))
     expected = "it has no wheels for Python 3.14; installed: mujoco, kinematic"
     assert engines.remedy("bullet") == expected
@@ -70,9 +70,9 @@ def required(extras: Iterable[str], python: str) -> set[str]:
 def test_extras_bring_no_engine_unless_they_are_named_for_it(extra: str, python: str) -> None:
     brought = required([extra], python)
     engines_brought = {name for name, all_ in DISTRIBUTIONS.items() if all_ & brought}
-    wheels = set(DISTRIBUTIONS) - ({"bullet"} if python == "3.14" else set())
-    allowed = {"sim": wheels, "dev": wheels, "fuzz": wheels, "bullet": wheels & {"bullet"}}
-    assert engines_brought == allowed.get(extra, {extra} & wheels)
+    wheels = set() if python == "3.14" else {"bullet"}
+    allowed = {"mujoco": {"mujoco"}, **dict.fromkeys(("sim", "dev", "fuzz", "bullet"), wheels)}
+    assert engines_brought == allowed.get(extra, set())
     assert len(DISTRIBUTIONS["bullet"] & brought) <= 1
 
 

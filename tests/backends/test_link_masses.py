@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cbdsl.backends.bullet.articulation import BulletRobot
-from cbdsl.backends.mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.link_mass import LinkMass, link_masses
 from cbdsl.kinematics.pose import Pose
@@ -21,6 +20,7 @@ from cbdsl.robot.chains import root
 from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl_mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 
 DATA = Path(pybullet_data.getDataPath())
 #: Public models with frames without mass, impossible moments, and links without moments.

@@ -9,11 +9,11 @@ import numpy as np
 import pybullet as p
 import pytest
 
-from cbdsl.backends.mujoco.robot_spec import body_name
 from cbdsl.backends.staging.links import link_surfaces
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.simulation_section import TipSurface
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl_mujoco.robot_spec import body_name
 from tests.backends.conftest import BACKENDS, URDF, sightless, stage_named
 
 

@@ -28,7 +28,7 @@ def test_plugin_backend_is_listed(
     summary = "Joints without errors; see ``cbdsl.extend.backend.Backend``."
     assert {"backend": "ideal", "package": "demo 1.0", "summary": summary} in shown
     names = [each["backend"] for each in shown]
-    assert names == [*BACKENDS.builtins, "follower", "ideal", "ros2"]
+    assert names == [*BACKENDS.builtins, "follower", "ideal", "mujoco", "ros2"]
 
 
 def test_broken_plugin_backend_is_named_and_others_work(

@@ -13,11 +13,11 @@ import pybullet
 import pytest
 
 from cbdsl.backends.bullet.articulation import BulletRobot
-from cbdsl.backends.mujoco.robot_spec import body_name, make_robot_spec
 from cbdsl.kinematics.joint_tree import JointTree
 from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl_mujoco.robot_spec import body_name, make_robot_spec
 from tests.robots.small_robot import Hinge, SmallRobot, chain, write_robot
 
 NARROW = '<limit lower="{}" upper="{}" effort="50" velocity="3"/>'

@@ -32,7 +32,9 @@ NAMES = [
     *(
         name
         for name in BACKENDS.usable_names()
-        if not BACKENDS.is_builtin(name) and not hasattr(BACKENDS.get(name), "attend")
+        if name not in installed_engines()
+        and not BACKENDS.is_builtin(name)
+        and not hasattr(BACKENDS.get(name), "attend")
     ),
 ]
 EMPTY = {"cbdsl": 1, "kind": "stage", "name": "empty", "contexts": {"only": {}}}

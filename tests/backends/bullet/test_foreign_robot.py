@@ -12,10 +12,10 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.cameras.view import View
-from cbdsl.backends.mujoco.backend import MujocoBackend
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.pose import Pose
+from cbdsl_mujoco.backend import MujocoBackend
 
 URDF = Path(pybullet_data.getDataPath()) / "kuka_iiwa" / "model.urdf"
 HOME = (0.0, 0.5, 0.0, -1.0, 0.0, 1.0, 0.0)

@@ -6,12 +6,12 @@ import mujoco as mj
 import numpy as np
 import pytest
 
-from cbdsl.backends.mujoco.backend import MujocoBackend
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Surface
 from cbdsl.kinematics.pose import Pose
+from cbdsl_mujoco.backend import MujocoBackend
 from tests.backends.conftest import URDF, made_stage, sightless
 
 TIP = "right_finger_3_tip"

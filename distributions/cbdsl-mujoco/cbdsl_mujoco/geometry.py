@@ -8,11 +8,14 @@ from typing import Any
 import mujoco as mj
 import numpy as np
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.robot.meshes.mesh_file import find_mesh
-from cbdsl.robot.meshes.mesh_reader import MeshError, read_mesh_file
-from cbdsl.robot.urdf import UrdfShape
+from cbdsl.extend.backend import (
+    BackendError,
+    MeshError,
+    SolidShape,
+    UrdfShape,
+    find_mesh,
+    read_mesh_file,
+)
 
 _KINDS = {
     "ball": mj.mjtGeom.mjGEOM_SPHERE,

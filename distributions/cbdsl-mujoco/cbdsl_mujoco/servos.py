@@ -19,13 +19,9 @@ from typing import Any
 import mujoco as mj
 import numpy as np
 
-from cbdsl.backends.mujoco.first_posture import FirstPosture
-from cbdsl.backends.mujoco.world import StepArrays
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.numeric.arrays import Floats, Rows
-from cbdsl.numeric.compiled import compiled_once
-from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl.extend.backend import Floats, Joints, RobotDocument, Rows, UrdfModel, compiled_once
+from cbdsl_mujoco.first_posture import FirstPosture
+from cbdsl_mujoco.world import StepArrays
 
 # Torque per speed that an explicit step tolerates, as a share of inertia over timestep.
 _STEEPEST = 0.5

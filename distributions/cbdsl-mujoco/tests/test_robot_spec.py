@@ -8,11 +8,11 @@ import pinocchio
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.mujoco.backend import MujocoBackend
-from cbdsl.backends.mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl_mujoco.backend import MujocoBackend
+from cbdsl_mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 from tests.backends.conftest import URDF, made_stage
 
 

@@ -11,15 +11,21 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.backends.cameras import light
-from cbdsl.backends.cameras.view import FARTHEST, NEAREST, View
-from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.world_state import Part
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.pose import Pose
-from cbdsl.numeric.arrays import Image
-from cbdsl.robot.urdf import UrdfModel, UrdfShape
+from cbdsl.extend.backend import (
+    AMBIENT,
+    DIRECTION,
+    FARTHEST,
+    NEAREST,
+    BackendError,
+    Engine,
+    Image,
+    Part,
+    Pose,
+    RobotDocument,
+    UrdfModel,
+    UrdfShape,
+    View,
+)
 
 # EGL's numbers: the platform without a window system, and desktop OpenGL.
 _SURFACELESS, _OPENGL = 0x31DD, 0x30A2
@@ -190,8 +196,8 @@ def _light(scene: Any) -> None:
     lamp = scene.lights[0]
     lamp.type = mj.mjtLightType.mjLIGHT_DIRECTIONAL
     # MuJoCo states the direction in which light travels.
-    lamp.dir = [-each for each in light.DIRECTION]
-    lamp.ambient, lamp.diffuse = [light.AMBIENT] * 3, [1.0 - light.AMBIENT] * 3
+    lamp.dir = [-each for each in DIRECTION]
+    lamp.ambient, lamp.diffuse = [AMBIENT] * 3, [1.0 - AMBIENT] * 3
     lamp.specular, lamp.castshadow, lamp.headlight = [0.0] * 3, False, False
 
 

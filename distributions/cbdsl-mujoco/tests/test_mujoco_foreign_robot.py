@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.mujoco.backend import MujocoBackend
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument, Surface
 from cbdsl.kinematics.pose import Pose
+from cbdsl_mujoco.backend import MujocoBackend
 
 STAGE = StageDocument.model_validate(
     {"cbdsl": 1, "kind": "stage", "name": "empty", "robot": "own", "contexts": {"empty": {}}}

@@ -7,11 +7,8 @@ from typing import Any
 import mujoco as mj
 import numpy as np
 
-from cbdsl.backends.mujoco.robot_spec import body_name
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.numeric.arrays import Floats, Rows
-from cbdsl.numeric.compiled import compiled_once
-from cbdsl.sensing.observation import Cell
+from cbdsl.extend.backend import Cell, Floats, RobotDocument, Rows, compiled_once
+from cbdsl_mujoco.robot_spec import body_name
 
 _FIELDS = (
     mj.mjtConDataField.mjCONDATA_FORCE,

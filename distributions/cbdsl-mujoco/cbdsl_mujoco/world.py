@@ -8,14 +8,10 @@ from typing import Any, NamedTuple
 
 import mujoco as mj
 
-from cbdsl.backends.mujoco.contact import ContactSettings
-from cbdsl.backends.mujoco.geometry import add_solids
-from cbdsl.backends.mujoco.robot_spec import body_name, compile_spec, wxyz
-from cbdsl.backends.staging.links import link_surfaces
-from cbdsl.backends.staging.scenario import SceneObject
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl.extend.backend import Floats, RobotDocument, SceneObject, UrdfModel, link_surfaces
+from cbdsl_mujoco.contact import ContactSettings
+from cbdsl_mujoco.geometry import add_solids
+from cbdsl_mujoco.robot_spec import body_name, compile_spec, wxyz
 
 # Number of values of a free body's position and of its velocity.
 _POSE, _TWIST = 7, 6

@@ -7,17 +7,24 @@ from typing import Any
 
 import mujoco as mj
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.backends.mujoco.contact import ContactSettings
-from cbdsl.backends.mujoco.geometry import add_shape
-from cbdsl.backends.staging.links import link_surfaces, pairs_without_contact
-from cbdsl.backends.staging.scenario import GRAVITY
-from cbdsl.documents.robot import Coupling, RobotDocument
-from cbdsl.documents.simulation_section import MujocoSection
-from cbdsl.kinematics.link_mass import LinkMass, link_masses
-from cbdsl.kinematics.pose import Pose, displacement
-from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfJoint, UrdfModel
+from cbdsl.extend.backend import (
+    GRAVITY,
+    BackendError,
+    Coupling,
+    Joints,
+    LinkMass,
+    MujocoSection,
+    Pose,
+    RobotDocument,
+    UrdfJoint,
+    UrdfModel,
+    displacement,
+    link_masses,
+    link_surfaces,
+    pairs_without_contact,
+)
+from cbdsl_mujoco.contact import ContactSettings
+from cbdsl_mujoco.geometry import add_shape
 
 # Friction of links without a surface in the robot file.
 _FRICTION = 0.5

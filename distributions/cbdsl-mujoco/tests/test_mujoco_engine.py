@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.backends.mujoco.backend import MujocoBackend
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.stage import Fixture, Surface
 from cbdsl.kinematics.pose import Pose
+from cbdsl_mujoco.backend import MujocoBackend
 from tests.backends.conftest import made_stage
 
 TOP = -0.42

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from cbdsl.backends.mujoco.backend import MujocoBackend
 from cbdsl.documents.robot import RobotDocument
+from cbdsl_mujoco.backend import MujocoBackend
 from tests.backends.conftest import URDF, sightless
 
 

@@ -8,7 +8,7 @@ from threading import Thread
 from threading import enumerate as enumerate_threads
 from typing import Any
 
-from cbdsl.backends.backend import BackendError
+from cbdsl.extend.backend import BackendError
 
 # Longest time for a window to close, s.
 _PATIENCE = 5.0

@@ -8,26 +8,32 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.mujoco.first_posture import FirstPosture
-from cbdsl.backends.mujoco.load_cell_sensors import (
+from cbdsl.extend.backend import (
+    POSITION,
+    ROOM,
+    ROTATION,
+    WIDTH,
+    Cell,
+    Engine,
+    Floats,
+    Joints,
+    Pose,
+    RobotDocument,
+    SceneObject,
+    UrdfModel,
+    placed,
+)
+from cbdsl_mujoco.first_posture import FirstPosture
+from cbdsl_mujoco.load_cell_sensors import (
     add_sensors,
     cell_links,
     sensor_addresses,
     sum_wrenches,
 )
-from cbdsl.backends.mujoco.robot_spec import body_name, make_robot_spec, wxyz
-from cbdsl.backends.mujoco.servos import MujocoServos
-from cbdsl.backends.mujoco.window import Window
-from cbdsl.backends.mujoco.world import MujocoWorld
-from cbdsl.backends.staging.engine import ROOM, Engine
-from cbdsl.backends.staging.scenario import SceneObject
-from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.pose import Pose
-from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfModel
-from cbdsl.sensing.observation import Cell
+from cbdsl_mujoco.robot_spec import body_name, make_robot_spec, wxyz
+from cbdsl_mujoco.servos import MujocoServos
+from cbdsl_mujoco.window import Window
+from cbdsl_mujoco.world import MujocoWorld
 
 # Largest distance of objects that touch, m.
 _TOUCHING = 1e-4

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.backends.cameras.selection import make_cameras
-from cbdsl.backends.mujoco.engine import MujocoEngine
-from cbdsl.backends.mujoco.own_renderer import MujocoRenderer
-from cbdsl.backends.mujoco.window import Window
-from cbdsl.backends.simulated_backend import SimulatedBackend
-from cbdsl.backends.staging.fit import physics_steps, read_fitting, require_meshes
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.extend.backend import (
+    RobotDocument,
+    SimulatedBackend,
+    make_cameras,
+    physics_steps,
+    read_fitting,
+    require_meshes,
+)
+from cbdsl_mujoco.engine import MujocoEngine
+from cbdsl_mujoco.own_renderer import MujocoRenderer
+from cbdsl_mujoco.window import Window
 
 
 class MujocoBackend(SimulatedBackend[MujocoEngine]):

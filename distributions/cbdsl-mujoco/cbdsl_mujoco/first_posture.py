@@ -7,10 +7,8 @@ from typing import Any
 import mujoco as mj
 import numpy as np
 
-from cbdsl.backends.mujoco.robot_spec import compile_spec
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl.extend.backend import Joints, RobotDocument, UrdfModel
+from cbdsl_mujoco.robot_spec import compile_spec
 
 # Depth of one link inside another that is impossible in the world, m.
 _OVERLAP = 0.001

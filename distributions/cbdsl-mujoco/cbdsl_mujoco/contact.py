@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from cbdsl.documents.simulation_section import MujocoSection
-from cbdsl.documents.stage import Surface
+from cbdsl.extend.backend import MujocoSection, Surface
 
 # Impedance near and in a rigid contact, and the depth over which it grows, m.
 _IMPEDANCE = [0.95, 0.99, 0.001, 0.5, 2.0]

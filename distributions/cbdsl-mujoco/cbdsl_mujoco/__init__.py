@@ -1,0 +1,1 @@
+"""Engine of MuJoCo: steady contacts, forces, and a renderer of its own."""
