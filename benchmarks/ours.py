@@ -19,9 +19,8 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import hold
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.observation import Loads, Observation
 from cbdsl.sensing.signals import Signals

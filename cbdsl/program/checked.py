@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.schema import Schema
+from cbdsl.types.resource import Resource
 
 
 class Action(NamedTuple):
@@ -161,3 +162,22 @@ class CheckedProgram(NamedTuple):
     def sequential_actions(self) -> tuple[Action, ...]:
         """Actions of a single member, without co-articulation (Section 4.2.1)."""
         return tuple(action for action in self.actions if action.name in self.members)
+
+
+def resources_of(program: CheckedProgram) -> Sequence[Resource]:
+    """Return every resource that a program and the programs it uses can read."""
+    resources: dict[Resource, None] = {}
+    compositions = [program.background, *(action.composition for action in program.actions)]
+    for composition in compositions:
+        for controller in composition.controllers if composition else ():
+            resources.update(dict.fromkeys(controller.resources))
+    for condition in program.conditions.values():
+        resources.update(dict.fromkeys(condition.resources))
+    for action in program.actions:
+        if action.program is not None:
+            resources.update(dict.fromkeys(resources_of(action.program)))
+    if program.schema is not None:
+        resources.update(dict.fromkeys(program.schema.features.values()))
+    for look in program.looks.values():
+        resources.update(dict.fromkeys(resources_of(look.program)))
+    return list(resources)

@@ -19,7 +19,7 @@ from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
@@ -33,7 +33,6 @@ from cbdsl.runtime.ending import (
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.policy import Policy
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.numeric.arrays import Floats
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.program_resources import resources_of
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Origin
 

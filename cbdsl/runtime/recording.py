@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.staging.world_state import Part, WorldState
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
@@ -26,7 +26,6 @@ from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import Explanation, LevelExplanation, named_runs
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.recording_folder import RecordingFolder
 from cbdsl.runtime.tick import Tick

@@ -11,9 +11,8 @@ import pytest
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation

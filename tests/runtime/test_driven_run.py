@@ -11,7 +11,7 @@ import pytest
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.schema import NO_FEATURES
 from cbdsl.program.transition import Transition
 from cbdsl.runtime import actuation as actuation_module
@@ -19,7 +19,6 @@ from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.policies.policy import Choice
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals

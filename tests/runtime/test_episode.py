@@ -14,11 +14,10 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.resource import Resource

@@ -11,12 +11,12 @@ import pytest
 
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.checked import resources_of
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.runtime.causes import LIMITS, OPTIMUM, SINGULAR
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import Explanation
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.recording import Recording, is_place, members, triple
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.table.reading import Reading

@@ -10,10 +10,10 @@ import pytest
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.program.checked import resources_of
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.policies.policy import Choice, Policy
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals

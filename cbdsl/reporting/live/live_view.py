@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from cbdsl.backends.staging.world_state import WorldState
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
 from cbdsl.reporting.live.feed import Feed
@@ -17,7 +17,6 @@ from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.program_composer import Composer
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.runtime.recording import drawn, is_place, members, triple
 from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Resource

@@ -14,13 +14,12 @@ from cbdsl.control.level import Level
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.controller import Controller, Literal, Relative
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controllers.controller_run import ControllerRun
-from cbdsl.runtime.program_resources import resources_of
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip
 from tests.conftest import Checked
