@@ -26,6 +26,7 @@ _GRAVITY = 9.81  # m/s^2
 _TIP_SITE = "grip_site"
 # Name of the only arm of a robot.
 _SIDE = "right"
+_ROBOT_PREFIXES = ("robot", "gripper", "fixed_mount")
 # Groups of geoms: those of robosuite for contacts and for images, and the robots' own of both. The
 # meshes of robots have 100,000 triangles; their outlines are those of the shapes for contacts.
 _CONTACTS, _IMAGES, _SURFACES, _OUTLINES = 0, 1, 4, 5
@@ -83,11 +84,10 @@ class RobosuiteWorld:
         )
         self._env.set_xml_processor(self._with_cameras)
         self._env.reset()
-        prefixes = ("robot", "gripper", "fixed_mount")
         self._robot_bodies = {
             index
             for index in range(self.model.nbody)
-            if self.model.body(index).name.startswith(prefixes)
+            if self.model.body(index).name.startswith(_ROBOT_PREFIXES)
         }
         for geom, body in enumerate(self.model.geom_bodyid):
             if body in self._robot_bodies:
@@ -241,6 +241,13 @@ class RobosuiteWorld:
             camera.set("pos", _text(place["position"]))
             camera.set("xyaxes", _text([*-axes[:, 1], *axes[:, 2]]))
             camera.set("fovy", str(self._view[2]))
+        # MuJoCo ignores contacts between neighbours, except next to a fixed body: there they brake
+        # the first joint of an arm.
+        for parent in root.iter("body"):
+            for child in parent.findall("body"):
+                names = {"body1": parent.get("name", ""), "body2": child.get("name", "")}
+                if all(name.startswith(_ROBOT_PREFIXES) for name in names.values()):
+                    ET.SubElement(_section(root, "contact"), "exclude", names)
         return ET.tostring(root, encoding="unicode")
 
     def robot_model(self) -> str:

@@ -201,6 +201,31 @@ def test_held_object_stays_held_and_its_neighbour_is_not(
     assert [shift > 0.01 for shift in shifts] == [True, False, True]
 
 
+@pytest.mark.parametrize("distance", [0.0, 0.2])
+def test_object_between_pads_far_from_their_links_is_held(
+    dexter: RobotDocument, kinematics: Kinematics, distance: float
+) -> None:
+    cells = {
+        hand: {name: cell.model_copy(update={"radius": 0.0}) for name, cell in fingers.items()}
+        for hand, fingers in dexter.load_cells.items()
+    }
+    robot = dexter.model_copy(update={"load_cells": cells})
+    signals = Signals(robot, kinematics, resources(robot).values())
+    positions, force = facing(robot, signals), np.array([5.0, 0.0, 0.0])
+    feel(robot, signals, positions, 0.0)
+    away = np.array([0.0, 0.0, distance])
+    place = between_fingers(signals) + away
+    memory = signals.vision.memories[CHANNEL]
+    memory.position, memory.radius = place, 0.03
+    load = np.concatenate([force, np.cross(away, force)])
+    turned = positions.copy()
+    turned[signals.joints.of("right_arm")[0]] += 0.1
+    for tick in (positions, turned):
+        loads = {cell: load * (cell in RIGHT_FINGERS) for cell in signals.touch.cells}
+        signals.update(Observation(0.0, tick, np.zeros_like(tick), loads, {}))
+    assert np.linalg.norm(memory.position - place) > 0.01
+
+
 def test_object_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
     positions, far = facing(dexter, signals), np.array([0.6, 0.0, -0.42])
     feel(dexter, signals, positions, 0.0)
