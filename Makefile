@@ -20,11 +20,15 @@ KEEP ?=
 # Learned documents to learn again: the stale ones.
 NAMES ?=
 
+# The version of the documentation, and another name of it.
+VERSION ?= dev
+ALIAS ?=
+
 # How long each entry point is fuzzed, s, and which: all.
 SECONDS ?= 60
 TARGET ?=
 
-.PHONY: check format lint types layers spelling documents pages tests properties mutants relearn fuzz results first-day rclpy robosuite site constraints dist sbom fix
+.PHONY: check format lint types layers spelling documents pages tests properties mutants relearn fuzz results first-day rclpy robosuite site site-version constraints dist sbom fix
 
 check: format lint types layers spelling documents pages tests
 
@@ -103,6 +107,13 @@ site:
 	$(PYTHON) docs/make_gallery.py
 	$(PYTHON) docs/make_playground.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --strict --site-dir site
+
+# The same as a version on the local branch gh-pages.
+site-version:
+	$(PYTHON) docs/make_gallery.py
+	$(PYTHON) docs/make_playground.py
+	PATH="$(abspath $(BIN)):$$PATH" CBDSL_DOCS_VERSIONS=mike NO_MKDOCS_2_WARNING=1 $(BIN)mike deploy --update-aliases $(VERSION) $(ALIAS)
+	$(BIN)mike set-default --allow-undefined latest
 
 # The versions that CI installs, for every supported Python; needs uv.
 constraints:

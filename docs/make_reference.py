@@ -347,10 +347,11 @@ def _diagnostics() -> str:
 
 
 def _diagnostic(entry: Entry) -> str:
-    kind = "" if entry.severity.value == "error" else f" ({entry.severity.value})"
-    return f"[{entry.code}](diagnostics.md#{anchor(f'{entry.code}: {entry.title}{kind}')})"
+    return f"[{entry.code}](diagnostics.md#{entry.code.lower()})"
 
 
 def anchor(heading: str) -> str:
-    """Return the anchor of a heading."""
+    """Return the anchor of a heading, which may state it as ``{#anchor}``."""
+    if stated := re.search(r" \{#([\w-]+)\}$", heading):
+        return stated[1]
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")

@@ -10,10 +10,20 @@ import runpy
 from pathlib import Path
 from typing import Any
 
+from mkdocs.plugins import event_priority
+
 from cbdsl.diagnostics.entry_text import sections
+from cbdsl.diagnostics.published import published
 from cbdsl.documents.kinds import entries
 
 _MARK = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
+
+
+@event_priority(100)
+def on_config(config: Any) -> Any:
+    """Return the configuration with the address in the metadata of the package, before mike's."""
+    config.site_url = published("Homepage") or ""
+    return config
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
@@ -27,7 +37,9 @@ def _reference() -> str:
 
 
 def _diagnostics() -> str:
-    return sections(sorted(entries().values(), key=lambda entry: entry.code))
+    text = sections(sorted(entries().values(), key=lambda entry: entry.code))
+    # An anchor stays when a title changes.
+    return re.sub(r"(?m)^(## (\w+): .*)$", lambda head: f"{head[1]} {{#{head[2].lower()}}}", text)
 
 
 _PARTS = {"reference": _reference, "diagnostics": _diagnostics}

@@ -109,7 +109,7 @@ def test_cache_key_changes_with_the_installed_files(runner: dict[str, str], tmp_
     for name in ("cbdsl", "robots", "programs", "knowledge", "schemas", ".ci"):
         (root / name).mkdir(parents=True)
     shutil.copy(ROOT / ".ci" / "validate", root / ".ci")
-    for name in ("pyproject.toml", "constraints.txt"):
+    for name in ("hatch_build.py", "pyproject.toml", "constraints.txt"):
         shutil.copy(ROOT / name, root)
     for content in ("1", "2", "1"):
         (root / "cbdsl" / "code.py").write_text(content, "utf-8")

@@ -8,6 +8,7 @@ from difflib import unified_diff
 
 from cbdsl.diagnostics.entry import Entry
 from cbdsl.diagnostics.legible_text import legible
+from cbdsl.diagnostics.published import page_of
 
 _HEAD = """\
 # Diagnostics
@@ -25,6 +26,8 @@ def explanation(entry: Entry) -> str:
     if example:
         parts.append(f"For example, {entry.path}, with (-) and without (+) it:")
         parts.append(textwrap.indent(example, "    "))
+    if page := page_of(entry.code):
+        parts.append(page)
     return "\n\n".join(parts)
 
 

@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.entry import Entry
+from cbdsl.diagnostics.published import page_of
 from cbdsl.diagnostics.validation_report import ValidationReport
 
 _SCHEMA = (
@@ -39,12 +40,14 @@ def sarif(report: ValidationReport) -> str:
 
 
 def _rule(entry: Entry) -> dict[str, Any]:
+    page = page_of(entry.code)
     return {
         "id": entry.code,
         "shortDescription": {"text": entry.title},
         "fullDescription": {"text": entry.explanation},
         "help": {"text": entry.explanation, "markdown": entry.explanation},
         "defaultConfiguration": {"level": entry.severity.value},
+        **({"helpUri": page} if page else {}),
     }
 
 

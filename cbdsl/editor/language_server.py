@@ -15,6 +15,7 @@ from pygls.uris import to_fs_path
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Severity
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.lines import lines_of
+from cbdsl.diagnostics.published import page_of
 from cbdsl.documents.ownership import is_declared, is_own
 from cbdsl.editor.addresses import Addresses
 from cbdsl.editor.buffers import Buffers
@@ -364,7 +365,7 @@ def _refusal(message: str) -> JsonRpcException:
 def _diagnostic(
     diagnostic: Diagnostic, location: Callable[[Place], lsp.Location]
 ) -> lsp.Diagnostic:
-    nearest = diagnostic.nearest
+    nearest, address = diagnostic.nearest, page_of(diagnostic.code)
     hint = (
         "" if nearest is None or nearest in diagnostic.message else f"; did you mean '{nearest}'?"
     )
@@ -373,6 +374,7 @@ def _diagnostic(
         diagnostic.message + hint,
         severity=_SEVERITIES[diagnostic.severity],
         code=diagnostic.code,
+        code_description=lsp.CodeDescription(address) if address else None,
         source=NAME,
         related_information=[
             lsp.DiagnosticRelatedInformation(location(each.place), each.message)
