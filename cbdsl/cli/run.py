@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, nullcontext, suppress
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -19,7 +18,8 @@ from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Rate, Robot, With
 from cbdsl.cli.episodes.attendance import Interface, Yes, attend
 from cbdsl.cli.episodes.episode_page import recorded_for, require_page
-from cbdsl.cli.episodes.live import LiveOptions, live_page
+from cbdsl.cli.episodes.episode_tally import EpisodeTally
+from cbdsl.cli.episodes.live import LiveOptions, go_on, live_page
 from cbdsl.cli.episodes.recorder import Recorder
 from cbdsl.cli.episodes.simulation import BackendName, simulation
 from cbdsl.cli.output.notes import notes
@@ -128,28 +128,6 @@ class Telling:
         print(json_line(result) if self.as_json else f"  {result.ending}", flush=True)
 
 
-class EpisodeTally:
-    """Sums of the episodes so far, which need the same memory for any number of them.
-
-    Attributes:
-        outcomes: Number of episodes by outcome.
-        rewarded: Number of rewarded episodes.
-        sim_seconds, wall_seconds: Simulated and wall time of all episodes, s.
-    """
-
-    def __init__(self) -> None:
-        self.outcomes: Counter[str] = Counter()
-        self.rewarded = 0
-        self.sim_seconds = self.wall_seconds = 0.0
-
-    def add(self, result: EpisodeResult) -> None:
-        """Add an episode."""
-        self.outcomes[result.outcome] += 1
-        self.rewarded += result.rewarded
-        self.sim_seconds += result.sim_seconds
-        self.wall_seconds += result.wall_seconds
-
-
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
     """Options of a run: program's inputs, episodes and robot."""
@@ -218,6 +196,13 @@ class OutputOptions:
     explain: Explain = False
     as_json: Json = False
 
+    def fixed(self, stage: StageDocument) -> str:
+        """Return the reason why a run cannot go back to an earlier state; empty if it can."""
+        if self.record is not None or self.page is not None:
+            return "a recording holds one episode: leave out --record and --page"
+        goes_on = stage.world.persistent
+        return f"the world of stage '{stage.name}' goes on between episodes" if goes_on else ""
+
     def require_exclusive(self, *, watches: bool) -> None:
         """Refuse outputs that exclude each other, or miss another.
 
@@ -280,26 +265,34 @@ def run(
             recorder = Recorder(
                 folder, request, embodied, seeds, overwrite=output.overwrite, prints=names
             )
-        composes = options.schema is None
-        shown = replace(live, live_close=live.live_close or options.watch)
-        view = within.enter_context(
-            live_page(shown, request, embodied, composes=composes, prints=prints)
-        )
-        watch = None
-        if options.watch:
-            from cbdsl.cli.episodes.program_watch import watched_program  # imports numpy
-
-            read = partial(options.request, program)
-            watch = watched_program(request, read, runner.offer, view, prints=prints)
+        composes, fixed = options.schema is None, output.fixed(request.stage)
+        shown = replace(live, live_close=True)
+        page = live_page(shown, request, embodied, composes=composes, fixed=fixed, prints=prints)
+        view = within.enter_context(page)
+        read = partial(options.request, program)
+        watch = _watch(request, read, runner, view, prints=prints) if options.watch else None
         telling = Telling(recorder, output.explain, output.as_json, view, watch)
         if prints:
             print(_introduction(request, options.backend, embodied))
             print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
         tally = _run_all(runner, request, seeds, options.context, telling)
-        if watch is not None:
-            more = partial(_episode, runner, request, seeds[-1], options.context, telling)
-            _run_edits(watch, more, tally, stays=live.live and not live.live_close)
+        more = partial(_episode, runner, request, seeds[-1], options.context, telling)
+        stays = None if live.live_close else view
+        go_on(stays, watch, lambda: tally.add(more()), prints=prints)
     _conclude(request, tally)
+
+
+def _watch(
+    request: RunRequest,
+    read: Callable[[], RunRequest],
+    runner: Runner,
+    view: LiveView | None,
+    *,
+    prints: bool,
+) -> ProgramWatch:
+    from cbdsl.cli.episodes.program_watch import watched_program  # imports numpy
+
+    return watched_program(request, read, runner.offer, view, prints=prints)
 
 
 def _run_all(
@@ -316,20 +309,8 @@ def _run_all(
             print(_heading(seed, index, len(seeds), tally))
         tally.add(_episode(runner, request, seed, context, telling))
     if len(seeds) > 1 and not telling.as_json:
-        _summarise(tally, states_success=bool(request.program.success))
+        print(tally.summary(states_success=bool(request.program.success)))
     return tally
-
-
-def _run_edits(
-    watch: ProgramWatch, episode: Callable[[], EpisodeResult], tally: EpisodeTally, *, stays: bool
-) -> None:
-    """Run the last seed again after each edit, until Ctrl-C, or report an edit that came late."""
-    if not stays and watch.is_pending:
-        watch.report("the last edit came too late for this run")
-    with suppress(KeyboardInterrupt):
-        while stays:
-            watch.wait()
-            tally.add(episode())
 
 
 def _conclude(request: RunRequest, tally: EpisodeTally) -> None:
@@ -368,6 +349,22 @@ def _runner(request: RunRequest, kinematics: Kinematics, backend: Backend) -> Ru
 
 
 def _episode(
+    runner: Runner, request: RunRequest, seed: int, context: str | None, telling: Telling
+) -> EpisodeResult:
+    """Run an episode, again after each request to return to an earlier state of it."""
+    from cbdsl.runtime.episode_observer import ReturnRequest
+
+    while True:
+        try:
+            return _attempt(runner, request, seed, context, telling)
+        except ReturnRequest as back:
+            if not telling.as_json:
+                print(f"  {back}: seed {seed} runs again", flush=True)
+            assert telling.live is not None
+            telling.live.run_to(back.time)
+
+
+def _attempt(
     runner: Runner, request: RunRequest, seed: int, context: str | None, telling: Telling
 ) -> EpisodeResult:
     """Run an episode and print its outcome; keep its recording even after an error."""
@@ -426,16 +423,3 @@ def _heading(seed: int, index: int, episodes: int, tally: EpisodeTally) -> str:
         return heading
     left = tally.wall_seconds / index * (episodes - index)
     return f"{heading}, about {left // 60:.0f} min {left % 60:02.0f} s left"
-
-
-def _summarise(tally: EpisodeTally, *, states_success: bool) -> None:
-    """Print the number of successful episodes, or of rewarded ones without success states."""
-    if states_success:
-        count, verb = tally.outcomes["success"], "succeeded"
-    else:
-        count, verb = tally.rewarded, "rewarded"
-    simulated, wall = tally.sim_seconds, tally.wall_seconds
-    print(
-        f"{count} of {tally.outcomes.total()} episodes {verb}; {simulated:.0f} s simulated "
-        f"in {wall:.0f} s, {simulated / wall:.1f} times real time"
-    )

@@ -16,6 +16,7 @@ from cbdsl.runtime.causes import (
     enumerated,
 )
 from cbdsl.runtime.controllers.controller_run import NEAR_GOAL, ControllerRun
+from cbdsl.runtime.episode_observer import ReturnRequest
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin, Resource
@@ -106,7 +107,7 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
         cause: Exception that stopped it.
     """
     where = f"after {seconds:.1f} s in state {run.state}"
-    if isinstance(cause, (KeyboardInterrupt, GeneratorExit)):
+    if isinstance(cause, (KeyboardInterrupt, GeneratorExit, ReturnRequest)):
         return f"Interrupted {where}."
     return f"Failed {where}: {cause.__cause__ or cause}."
 

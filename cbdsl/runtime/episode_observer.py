@@ -12,6 +12,18 @@ from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.tick import Tick
 
 
+class ReturnRequest(Exception):  # noqa: N818 (a request is no error)
+    """Request of an observer to run the episode again up to an earlier time.
+
+    Attributes:
+        time: Simulated time, s.
+    """
+
+    def __init__(self, time: float) -> None:
+        super().__init__(f"back to {time:.2f} s")
+        self.time = time
+
+
 class EpisodeObserver:
     """Observer of episodes; a method ignores its call unless a subclass overrides it.
 

@@ -316,7 +316,7 @@ class _TakingUp:
         file = self._library.find(SharedDocument, name, self._loaded.path)
         if file is None:
             names = self._library.names(SharedDocument, self._loaded.path)
-            self._faults.add("CB628", place, names=names, name=name, hint="")
+            self._faults.add("CB628", place, names=names, name=name)
             return {}
         try:
             return self._library.shared_parts(file)

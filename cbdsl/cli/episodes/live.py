@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from threading import Event
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +19,7 @@ from cbdsl.diagnostics.errors import UsageError
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
+    from cbdsl.cli.episodes.program_watch import ProgramWatch
     from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
     from cbdsl.reporting.live.live_view import LiveView
 
@@ -44,6 +45,15 @@ LiveClose = Annotated[
         "--live-close", help="With --live: end after the last episode instead of at Ctrl-C."
     ),
 ]
+
+# Wall time between looks for a reason for another episode, s.
+_PAUSE = 0.1
+# Requests that let a run wait, and the reason why a driven robot refuses them.
+_WAITING = ("pause", "step", "speed", "change", "break", "back")
+_DRIVEN = (
+    "a driven robot does not wait: without references its watchdog stops it; end the program with "
+    "Ctrl-C, or pause it in a simulator"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,6 +98,7 @@ def live_page(
     backend: Backend,
     *,
     composes: bool = False,
+    fixed: str = "only cb run goes back",
     prints: bool = True,
 ) -> Iterator[LiveView | None]:
     """Serve a live page of the episodes within the context, and keep it until Ctrl-C.
@@ -97,6 +108,7 @@ def live_page(
         request: Program, robot and stage.
         backend: Backend of the episodes.
         composes: True if the page may change the program.
+        fixed: Reason why the run cannot go back to an earlier state; empty if it can.
         prints: True if messages go to the standard output.
 
     Raises:
@@ -106,6 +118,7 @@ def live_page(
         yield None
         return
     from cbdsl.backends.staging.world_state import GroundTruthProvider
+    from cbdsl.reporting.live.breakpoints import Breakpoints
     from cbdsl.reporting.live.feed import Feed
     from cbdsl.reporting.live.live_page import live_page as page
     from cbdsl.reporting.live.live_view import LiveView
@@ -116,9 +129,13 @@ def live_page(
 
     # The backend's ground truth is only on the page, for display.
     scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
-    feed, transport = Feed(), Transport(math.inf if options.fast else 1.0)
-    composer = Composer() if composes else None
-    view = LiveView(feed, transport, scenery, composer)
+    is_paced = options.fast or backend.deadline is not None
+    feed, transport = Feed(), Transport(math.inf if is_paced else 1.0)
+    composer, breakpoints = Composer() if composes else None, Breakpoints()
+    view = LiveView(feed, transport, scenery, composer, breakpoints)
+    refused = {"back": fixed} if fixed else {}
+    if backend.deadline is not None:
+        refused = dict.fromkeys(_WAITING, _DRIVEN)
 
     def save(name: str, changes: Changes) -> ComposedProgram:
         from cbdsl.reporting.live.composed_program import composed_program
@@ -127,9 +144,11 @@ def live_page(
         return composed_program(request.program_file, request.stage.name, values, changes, name)
 
     def make(token: str) -> str:
-        return page(request.program.name, request.robot, request.urdf, token, composes=composes)
+        robot, urdf = request.robot, request.urdf
+        return page(request.program.name, robot, urdf, token, composes=composes, refused=refused)
 
-    server = LiveServer(feed, make, Requests(transport, composer, save), options.live_port or 0)
+    requests = Requests(transport, composer, save, breakpoints, refused)
+    server = LiveServer(feed, make, requests, options.live_port or 0)
     try:
         _tell(f"live at {server.url}", prints)
         _open(server.url)
@@ -142,6 +161,35 @@ def live_page(
             _stay(prints)
     finally:
         server.close()
+
+
+def go_on(
+    view: LiveView | None,
+    watch: ProgramWatch | None,
+    episode: Callable[[], None],
+    *,
+    prints: bool,
+) -> None:
+    """Run another episode for each edit and each return to an earlier state, until Ctrl-C.
+
+    Args:
+        view: View of a page that stays; without one the run is over.
+        watch: Watch of the program's files, if any.
+        episode: Function that runs an episode.
+        prints: True if messages go to the standard output.
+    """
+    if view is None:
+        if watch is not None and watch.is_pending:
+            watch.report("the last edit came too late for this run")
+        return
+    _tell("the page stays until Ctrl-C", prints)
+    with suppress(KeyboardInterrupt):
+        while True:
+            time = view.take_return(_PAUSE)
+            if time is not None:
+                view.run_to(time)
+            if time is not None or (watch is not None and watch.has_offered()):
+                episode()
 
 
 def _stay(prints: bool) -> None:

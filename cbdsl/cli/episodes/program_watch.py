@@ -81,12 +81,11 @@ class ProgramWatch(EpisodeObserver):
         """True if an edit waits for a change of state."""
         return self._newest != self._running
 
-    def wait(self) -> None:
-        """Wait until an edit has been offered."""
+    def has_offered(self) -> bool:
+        """Look at the files, and return whether an edit has been offered."""
         newest = self._newest
-        while self._newest is newest:
-            time.sleep(_PAUSE)
-            self.look()
+        self.look()
+        return self._newest is not newest
 
     def look(self) -> None:
         """Look at the files, and offer the program if it has changed."""
@@ -105,7 +104,8 @@ class ProgramWatch(EpisodeObserver):
             request = self._read()
         except DiagnosticsError as error:
             lines = str(error).splitlines()
-            self._renew(f"the edit does not check ({len(lines)}); the program stays", lines)
+            errors = f"{len(lines)} error{'s' if len(lines) > 1 else ''}"
+            self._renew(f"the edit has {errors}; the program stays", lines)
             return
         except UsageError as error:
             self._renew(f"the edit cannot run: {error}; the program stays")

@@ -58,18 +58,23 @@ function showTransition(told) {
   byId("transitions").prepend(lineOf(text, told.reward ? "rewarded" : told.depth ? "inner" : ""));
 }
 
-function makeTransport(askFor) {
+function makeTransport(askFor, refused) {
   let paused = false;
   const toggle = () => askFor({ do: paused ? "continue" : "pause" });
   byId("pause").addEventListener("click", toggle);
   byId("step").addEventListener("click", () => askFor({ do: "step" }));
+  byId("change").addEventListener("click", () => askFor({ do: "change" }));
+  for (const name of ["pause", "step", "change", "speed"]) {
+    byId(name).disabled = name in refused;
+    if (name in refused) byId(name).title = refused[name];
+  }
   byId("speed").addEventListener("change", () => {
     askFor({ do: "speed", value: byId("speed").value === "" ? null : Number(byId("speed").value) });
   });
   addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches("input, select, textarea")) return;
     if (event.key === " " && event.target.matches("button")) return;
-    const does = { " ": toggle, s: () => askFor({ do: "step" }) }[event.key.toLowerCase()];
+    const does = { " ": toggle, s: () => askFor({ do: "step" }), n: () => askFor({ do: "change" }) }[event.key.toLowerCase()];
     if (!does) return;
     event.preventDefault();
     does();
@@ -85,8 +90,8 @@ function makeTransport(askFor) {
 }
 
 async function main() {
-  const { token, links, composes } = await readData();
-  const askFor = makeAsking(token), transport = makeTransport(askFor), stack = makeLiveStack(askFor, composes);
+  const { token, links, composes, refused } = await readData();
+  const askFor = makeAsking(token), transport = makeTransport(askFor, refused), stack = makeLiveStack(askFor, composes);
   const composer = composes ? makeComposer(askFor) : null, catalog = makeLiveCatalog();
   let world = null, targets = null;
   try {
@@ -99,19 +104,26 @@ async function main() {
     tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
   }
   const chart = makeLiveChart(byId("charts"), "Potentials φ, logarithmic", 210, (v) => power(10 ** v));
+  const breakpoints = makeBreakpoints(askFor, refused), past = makePast(askFor, refused, draw);
   let members = [], newest = null, isOver = false;
 
   function show() {
     const frame = newest;
     newest = null;
     if (!frame) return;
+    transport.show(frame);
+    breakpoints.show(frame);
+    if (!past.isShown) draw(frame);
+  }
+
+  // One state of the episode: the newest one, or an earlier one.
+  function draw(frame) {
     byId("step-now").textContent = frame.steps.join(" › ");
     targets?.show(frame.targets);
     world?.show(frame);
     stack.show(frame);
     composer?.show(frame);
     showState(members, frame);
-    transport.show(frame);
     document.body.dataset.time = frame.time;
   }
 
@@ -120,6 +132,8 @@ async function main() {
       byId("program").textContent = document.title = told.program;
       byId("where").textContent = `on ${told.stage}, seed ${told.seed}${told.number > 1 ? `, episode ${told.number}` : ""}`;
       members = told.members[told.program];
+      breakpoints.begin(told);
+      past.clear();
       tellEnding(null);
       byId("transitions").replaceChildren();
       byId("episodes").replaceChildren(...told.past.map(episodeLine).reverse());
@@ -129,11 +143,13 @@ async function main() {
     edit(told) {
       byId("program").textContent = document.title = told.program;
       members = told.members[told.program];
+      breakpoints.begin(told);
       world?.setPoints(told.points);
       byId("transitions").prepend(lineOf(told.text, "edit"));
     },
     controllers(told) {
       newest = null; // a frame of other controllers
+      past.clear();
       stack.begin(told);
       composer?.begin(told, byId("program").textContent);
       chart.begin(told.names);
@@ -142,6 +158,7 @@ async function main() {
     transition: showTransition,
     frame(told) {
       chart.add(told.time, told.potentials.map((v) => (v === null ? null : Math.log10(Math.max(Math.abs(v), 1e-8)))));
+      past.add(told);
       if (!newest) requestAnimationFrame(show);
       newest = told;
     },

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.bundle import Bundle
@@ -15,12 +16,18 @@ from cbdsl.robot.joints import Joints
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
             "scene.js", "viewpoints.js", "live_world.js", "live_chart.js", "live_stack.js",
             "live_target.js", "live_composer.js", "live_catalog.js", "asking.js",
-            "live.js")  # fmt: skip
+            "live_breakpoints.js", "live_past.js", "live.js")  # fmt: skip
 _STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css", "live.css")
 
 
 def live_page(
-    title: str, robot: RobotDocument, urdf: Path, token: str, *, composes: bool = False
+    title: str,
+    robot: RobotDocument,
+    urdf: Path,
+    token: str,
+    *,
+    composes: bool = False,
+    refused: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """Return the page of a robot's episodes; their content comes from its server.
 
@@ -30,11 +37,13 @@ def live_page(
         urdf: URDF file of the robot.
         token: Token that requests have to contain.
         composes: True if the program may be changed on the page.
+        refused: Reasons for the refusal of requests, by name.
     """
     bundle, joints = Bundle(), Joints(robot).names
     header: Mapping[str, object] = {
         "token": token,
         "composes": composes,
+        "refused": dict(refused),
         "links": [
             drawn_link(link, bundle)
             for link in read_links(_model(robot, urdf), joints, is_recorded=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -9,6 +10,7 @@ from cbdsl.backends.staging.world_state import WorldState
 from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
+from cbdsl.reporting.live.breakpoints import Breakpoints
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.frame import frame, images
 from cbdsl.reporting.live.page_message import Message, message
@@ -37,6 +39,7 @@ class LiveView(EpisodeObserver):
         transport: Transport that paces the ticks.
         scenery: Function that returns the true state of the world, for display only.
         composer: Composer that changes the program while it runs, if changes are allowed.
+        breakpoints: Breakpoints at which the transport pauses.
         clock: Function that returns the wall time, s.
     """
 
@@ -46,11 +49,13 @@ class LiveView(EpisodeObserver):
         transport: Transport,
         scenery: Callable[[], WorldState] | None = None,
         composer: Composer | None = None,
+        breakpoints: Breakpoints | None = None,
         *,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self._feed, self._transport = feed, transport
         self._scenery, self._composer, self._clock = scenery, composer, clock
+        self._breakpoints = breakpoints or Breakpoints()
         self._past: list[dict[str, object]] = []
         self._kept: dict[str, Message] = {}
         self._number = 0
@@ -63,6 +68,7 @@ class LiveView(EpisodeObserver):
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
         """Begin an episode; see ``EpisodeObserver.begin``."""
         self._number += 1
+        self._breakpoints.begin()
         self._known, self._shown, self._last = set(), 0.0, None
         header = {
             "number": self._number,
@@ -86,8 +92,18 @@ class LiveView(EpisodeObserver):
         """Call a function in each tick, and about once a second while ticks are paused."""
         self._transport.between = do
 
+    def take_return(self, patience: float) -> float | None:
+        """Return the time to which a page asks the run to return, s; see ``Transport``."""
+        return self._transport.take_return(patience)
+
+    def run_to(self, time: float) -> None:
+        """Let the next episode pass up to a time, s, and pause there; see ``Transport``."""
+        self._transport.run_to(time)
+
     def note_transition(self, transition: Transition) -> None:
         """Note a transition; see ``EpisodeObserver.note_transition``."""
+        run = None if self._last is None else self._last.run
+        self._breakpoints.note_transition(transition, run)
         content = {
             "program": transition.title,
             "depth": transition.depth,
@@ -114,8 +130,13 @@ class LiveView(EpisodeObserver):
         resources = [each for each in resources_of(program) if not each.is_drawn]
         self._places = [each for each in resources if is_place(each)]
         self._names = []
-        points = [each.name for each in self._places]
-        return {"program": program.name, "members": members(program), "points": points}
+        self._breakpoints.follow(program)
+        return {
+            "program": program.name,
+            "members": members(program),
+            "points": [each.name for each in self._places],
+            "places": self._breakpoints.places,
+        }
 
     def note_tick(self, tick: Tick) -> None:
         """Note a tick; see ``EpisodeObserver.note_tick``."""
@@ -123,6 +144,8 @@ class LiveView(EpisodeObserver):
         if self._last is None and self._composer is not None:
             self._composer.begin(tick.run)
         self._last = tick
+        if self._breakpoints.reach(tick.run) and not self._transport.is_returning:
+            self._transport.pause()
         if self._feed.watched:
             now = self._clock()
             if now - self._shown >= _PAUSE:
@@ -134,6 +157,7 @@ class LiveView(EpisodeObserver):
 
     def note_end(self, result: EpisodeResult) -> None:
         """Note the end of an episode; see ``EpisodeObserver.note_end``."""
+        self._transport.run_to(math.nan)
         self._show()
         content = {
             "program": result.program,
@@ -160,6 +184,7 @@ class LiveView(EpisodeObserver):
             self._tell_bodies(world)
         content = frame(tick, self._places, world, self._names)
         content["paused"], content["speed"] = self._transport.paused, self._transport.shown_speed
+        content["breakpoints"], content["met"] = self._breakpoints.shown
         if self._composer is not None:
             content["targets"] = self._composer.positions()
             content["acting"] = self._composer.acting

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any
 
 from cbdsl.diagnostics.nearest import suggestion
+from cbdsl.reporting.live.breakpoints import Breakpoints
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
 from cbdsl.reporting.live.page_server import RequestError
 from cbdsl.reporting.live.transport import IdleError, Transport
@@ -28,6 +30,8 @@ class Requests:
         transport: Transport of the run.
         composer: Composer of its program; ``None`` if manual changes are not allowed.
         save: Function that makes a document of the composed changes, by its name.
+        breakpoints: Breakpoints of the run.
+        refused: Reasons for the refusal of requests, by name.
     """
 
     def __init__(
@@ -35,13 +39,19 @@ class Requests:
         transport: Transport,
         composer: Composer | None = None,
         save: Callable[[str, Changes], ComposedProgram] | None = None,
+        breakpoints: Breakpoints | None = None,
+        refused: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        self._transport = transport
+        self._transport, self._refused = transport, refused
+        self._breakpoints = breakpoints or Breakpoints()
         self._does: dict[str, Does] = {
             "pause": self._pause,
             "continue": self._go_on,
             "step": self._step,
             "speed": self._hasten,
+            "change": self._go_to_change,
+            "break": self._choose_breakpoints,
+            "back": self._go_back,
         }
         if composer is not None and save is not None:
             self._composer, self._save = composer, save
@@ -62,6 +72,8 @@ class Requests:
         if not isinstance(name, str) or name not in self._does:
             near, known = suggestion(str(name), self._does), ", ".join(self._does)
             raise RequestError(f"unknown request '{name}'{near} (known: {known})")
+        if name in self._refused:
+            raise RequestError(f"{name}: {self._refused[name]}")
         return self._does[name](request)
 
     def _pause(self, _: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -88,6 +100,28 @@ class Requests:
                 f"value: {given!r} is not from {_SLOWEST:g} to {_FASTEST:g}, or null"
             )
         self._transport.hasten(speed)
+        return {}
+
+    def _go_to_change(self, _: Mapping[str, Any]) -> Mapping[str, Any]:
+        self._breakpoints.wait_for_change()
+        self._transport.go_on()
+        return {}
+
+    def _choose_breakpoints(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        places: Any = request.get("at")
+        if not _is_list_of(places, str):
+            raise RequestError(f"at: {places!r} is not a list of steps and exits")
+        try:
+            self._breakpoints.choose(places)
+        except ValueError as error:
+            raise RequestError(f"at: {error}") from error
+        return {"breakpoints": sorted(self._breakpoints.chosen)}
+
+    def _go_back(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        time, now = number(request, "time"), self._transport.now
+        if not 0.0 <= time <= now:
+            raise RequestError(f"time: {time:g} s is not from 0 to {now:g} s, the time of the run")
+        self._transport.go_back(time)
         return {}
 
     def _set_gain(self, request: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -9,6 +9,8 @@ from concurrent.futures import Future
 from threading import Condition
 from typing import Any
 
+from cbdsl.runtime.episode_observer import ReturnRequest
+
 # A run that is late by more than this continues at its speed without catching up, s.
 _LATE = 0.25
 # Timeout of a request that waits for a tick, s.
@@ -37,6 +39,8 @@ class Transport:
         self._paused = self._released = False
         self._steps = 0
         self._asked: list[tuple[Callable[[], Any], Future[Any]]] = []
+        # Simulated times of the last tick, of the requested return, and of its pause.
+        self.now, self._return, self._goal = 0.0, math.nan, math.nan
         # Wall time at which simulated time 0 was, or would have been at this speed.
         self._origin: float | None = None
         self.between: Callable[[], None] = lambda: None
@@ -86,6 +90,29 @@ class Transport:
             self._released, self._paused = True, False
             self._changed.notify_all()
 
+    def go_back(self, time: float) -> None:
+        """Ask the run to return to an earlier time."""
+        with self._changed:
+            self._return = time
+            self._changed.notify_all()
+
+    def take_return(self, patience: float = 0.0) -> float | None:
+        """Return the requested time, s, once, after at most ``patience``, s."""
+        with self._changed:
+            if not self._changed.wait_for(lambda: not math.isnan(self._return), patience):
+                return None
+            time, self._return = self._return, math.nan
+            return time
+
+    def run_to(self, time: float) -> None:
+        """Let the next episode pass at the maximum speed up to a time, and pause there."""
+        self._goal = time
+
+    @property
+    def is_returning(self) -> bool:
+        """True until the time of the return."""
+        return not math.isnan(self._goal)
+
     def ask(self, do: Callable[[], Any]) -> Any:
         """Execute a function between two ticks, in the thread of the ticks.
 
@@ -111,15 +138,26 @@ class Transport:
         Args:
             now: Simulated time of the tick, s.
             show: Function called after each request, and once if the tick is paused.
+
+        Raises:
+            ReturnRequest: The run is asked to return to an earlier time.
         """
-        is_shown = False
+        self.now, is_shown = now, False
+        # The sum of periods that is a tick's time may differ in its last digits.
+        if now >= self._goal - 1e-9:
+            self._goal = math.nan
+            self.pause()
         while True:
             self.between()
             if self._answer():
                 show()
+            if (time := self.take_return()) is not None:
+                raise ReturnRequest(time)
             with self._changed:
-                if self._asked:
+                if self._asked or not math.isnan(self._return):
                     continue
+                if self.is_returning:
+                    return
                 pause = self._pause_at(now)
                 if pause <= 0:
                     return

@@ -18,6 +18,7 @@ import pytest
 from cbdsl.cli.episodes import live as module
 from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.page_message import Message
+from cbdsl.runtime.tick import Tick
 from tests.cli.test_main import cb
 
 REACH = ("run", "poise", "--robot", "sixaxis", "--backend", "kinematic", "--seed", "25", "--json")
@@ -176,3 +177,45 @@ def test_an_interrupt_leaves_no_process_and_no_port(name: str, during: str) -> N
     assert stream.read().endswith(b"event: closed\ndata: {}\n\n")
     with socket.socket() as there:
         assert there.connect_ex(("127.0.0.1", port)) != 0
+
+
+def test_run_that_returns_to_an_earlier_state_ends_as_before(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, *REACH) == 0
+    alone, times = capsys.readouterr().out, list[float]()
+    note_tick, run_to = LiveView.note_tick, LiveView.run_to
+
+    def returning(view: LiveView, tick: Tick) -> None:
+        times.append(tick.observation.time)
+        if len(times) == 20:
+            view._transport.go_back(0.2)
+        note_tick(view, tick)
+
+    def released(view: LiveView, time: float) -> None:
+        view._transport.release()  # no page could continue after the pause
+        run_to(view, time)
+
+    monkeypatch.setattr(LiveView, "note_tick", returning)
+    monkeypatch.setattr(LiveView, "run_to", released)
+    assert cb(monkeypatch, *REACH, *LIVE) == 0
+    assert outcome(capsys.readouterr().out) == outcome(alone)
+    assert times[20:40] == times[:20]
+
+
+def test_page_that_stays_runs_the_seed_again_for_a_return(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers = iter([None, 0.1])
+    monkeypatch.setattr(LiveView, "run_to", lambda view, time: None)
+
+    def take_return(view: LiveView, patience: float) -> float | None:
+        try:
+            return next(answers)
+        except StopIteration:
+            raise KeyboardInterrupt from None
+
+    monkeypatch.setattr(LiveView, "take_return", take_return)
+    assert cb(monkeypatch, *REACH, "--live", "--fast") == 0
+    first, second = map(outcome, capsys.readouterr().out.splitlines())
+    assert first == second

@@ -83,7 +83,7 @@ def test_watch_reports_an_edit_that_does_not_check_and_offers_its_correction(
 ) -> None:
     watched.edit("controllers:", "controlers:")
     ((text, findings),) = watched.reports
-    assert text.endswith("the program stays")
+    assert text == "the edit has 1 error; the program stays"
     assert "controlers" in findings[0]
     assert watched.offers == []
     watched.edit("controlers:", "controllers:")

@@ -17,6 +17,7 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.edit import EditTaken
+from cbdsl.reporting.live.breakpoints import Breakpoints
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_page import live_page
@@ -49,7 +50,8 @@ class Run:
         self.feed, self.transport = Feed(), Transport(math.inf)
         self.period = 1 / robot.control.rate
         self.composer = Composer()
-        self.view = LiveView(self.feed, self.transport, Shown, self.composer)
+        breakpoints = Breakpoints()
+        self.view = LiveView(self.feed, self.transport, Shown, self.composer, breakpoints)
 
         def save(name: str, changes: Changes) -> ComposedProgram:
             file = ROOT / "programs" / "reachtouch.yaml"
@@ -58,7 +60,7 @@ class Run:
         self.server = LiveServer(
             self.feed,
             lambda token: live_page("reachtouch", robot, urdf, token, composes=True),
-            Requests(self.transport, self.composer, save),
+            Requests(self.transport, self.composer, save, breakpoints),
         )
         self.results: list[EpisodeResult] = []
         self.transport.pause()
@@ -206,7 +208,7 @@ def test_page_shows_an_edit_with_its_findings_and_the_running_step(run: Run, sho
     run.step(3, shown)
     assert shown.text("step-now").startswith("searchtrack")
     finding = "own.yaml:3:1: CB201 unknown key 'stpes'"
-    report = {"text": "the edit does not check (1)", "findings": [finding]}
+    report = {"text": "the edit has 1 error", "findings": [finding]}
     run.transport.ask(lambda: run.view.keep(message("watch", report)))
     shown.wait("document.getElementById('findings').children.length === 1")
     assert shown.text("edit-text") == report["text"]
@@ -221,3 +223,22 @@ def test_page_shows_an_edit_with_its_findings_and_the_running_step(run: Run, sho
     run.step(3, shown)
     shown.wait("document.querySelector('#transitions .edit') !== null")
     assert "takes up the edited reachtouch" in shown.text("transitions")
+
+
+def test_page_pauses_at_a_breakpoint_and_shows_earlier_states(run: Run, shown: Page) -> None:
+    place = "searchtrack -> reach ◁ touch"
+    boxes = "[...document.querySelectorAll('#places input')]"
+    shown.value(f"{boxes}.find((each) => each.ariaLabel === '{place}').click()")
+    shown.wait("document.getElementById('breaks-title').textContent === 'Breakpoints (1)'")
+    shown.press(" ")
+    shown.wait(f"document.getElementById('met').textContent === 'paused at {place}'")
+    assert shown.text("step-now") == "reach ◁ touch"
+    now = shown.value(NOW)
+    slide = "const s = document.getElementById('past'); s.value = 0;"
+    shown.value(f"(() => {{ {slide} s.dispatchEvent(new Event('input')); }})()")
+    assert shown.value(NOW) < now
+    assert shown.text("past-time").endswith("earlier")
+    shown.click("#to-now")
+    assert shown.value(NOW) == now
+    run.transport.ask(lambda: None)
+    assert run.transport.paused

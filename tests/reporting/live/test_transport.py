@@ -178,3 +178,13 @@ def test_a_released_run_cannot_be_paused() -> None:
     transport.pause()
     transport.hold(0.0, lambda: None)
     assert not transport.paused
+
+
+def test_a_return_passes_at_maximum_speed_and_pauses_at_its_time() -> None:
+    transport = Transport(1.0)
+    transport.run_to(0.5)
+    with running(transport) as world:
+        until(lambda: transport.paused)
+        assert not transport.is_returning
+        assert 0.5 <= transport.now < 0.6
+        assert world.shown > 0

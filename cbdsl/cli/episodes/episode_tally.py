@@ -1,0 +1,43 @@
+"""Tally of the episodes of ``cb run``."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.runtime.episode_result import EpisodeResult
+
+
+class EpisodeTally:
+    """Sums of the episodes so far, which need the same memory for any number of them.
+
+    Attributes:
+        outcomes: Number of episodes by outcome.
+        rewarded: Number of rewarded episodes.
+        sim_seconds, wall_seconds: Simulated and wall time of all episodes, s.
+    """
+
+    def __init__(self) -> None:
+        self.outcomes: Counter[str] = Counter()
+        self.rewarded = 0
+        self.sim_seconds = self.wall_seconds = 0.0
+
+    def add(self, result: EpisodeResult) -> None:
+        """Add an episode."""
+        self.outcomes[result.outcome] += 1
+        self.rewarded += result.rewarded
+        self.sim_seconds += result.sim_seconds
+        self.wall_seconds += result.wall_seconds
+
+    def summary(self, *, states_success: bool) -> str:
+        """Return the number of successful episodes, or of rewarded ones without success states."""
+        if states_success:
+            count, verb = self.outcomes["success"], "succeeded"
+        else:
+            count, verb = self.rewarded, "rewarded"
+        simulated, wall = self.sim_seconds, self.wall_seconds
+        return (
+            f"{count} of {self.outcomes.total()} episodes {verb}; {simulated:.0f} s simulated "
+            f"in {wall:.0f} s, {simulated / wall:.1f} times real time"
+        )
