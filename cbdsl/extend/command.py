@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         verb,
     )
     from cbdsl.api.requests.run_request import read_program, read_request
+    from cbdsl.backends.engines import default_engine
     from cbdsl.backends.quiet import quiet_stderr
     from cbdsl.cli.arguments.assignments import read_assignments
     from cbdsl.cli.arguments.command_text import command_text
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
     from cbdsl.cli.episodes.pages import open_page, require_room, write_page
     from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
+    from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
     from cbdsl.cli.output.compilation import told_of_compilation
     from cbdsl.cli.output.progress import Progress
     from cbdsl.cli.output.terminal import print_json, print_line, print_problem, print_table
@@ -58,10 +60,11 @@ __all__ = [
     "BACKEND", "CAMERAS", "MOST_BYTES", "SEED", "Above", "BackendName", "Bundle", "Cameras",
     "CommandGroup", "DiagnosticsError", "Interface", "Journal", "Json", "Open", "Policy",
     "Program", "Progress", "Rate", "RowForm", "TerminalPerson", "UsageError", "With",
-    "call_text", "command_text", "commands_of", "count", "declaration", "engine_of", "filled",
-    "given", "grouped", "needing_simulation", "open_page", "print_json", "print_line",
-    "print_problem", "print_table", "quiet_stderr", "read_assignments", "read_meta_catalog",
-    "read_program", "read_request", "reason", "require_room", "require_workers", "rows_of",
+    "call_text", "command_text", "commands_of", "count", "declaration", "default_engine",
+    "diagnosed", "diagnosis_row", "engine_of", "filled", "given", "grouped",
+    "needing_simulation", "open_page", "print_json", "print_line", "print_problem",
+    "print_table", "quiet_stderr", "read_assignments", "read_meta_catalog", "read_program",
+    "read_request", "reason", "recorded_episodes", "require_room", "require_workers", "rows_of",
     "shown_on_failure", "simulation", "stack_command", "stop_requests",
     "termination_interrupts", "told_of_compilation", "verb", "write_page",
 ]  # fmt: skip

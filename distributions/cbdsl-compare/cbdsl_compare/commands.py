@@ -6,21 +6,22 @@ import json
 import re
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from cbdsl.api.compare import EpisodePair, ProgramComparison
-from cbdsl.api.compare import compare as compare_programs
-from cbdsl.api.load import load
-from cbdsl.backends.engines import default_engine
-from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import Cameras
-from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
-from cbdsl.diagnostics.errors import UsageError
-
-if TYPE_CHECKING:
-    from cbdsl.api.requests.run_request import RunRequest
+from cbdsl import RunRequest, UsageError, load
+from cbdsl.extend.command import (
+    Cameras,
+    Json,
+    default_engine,
+    diagnosed,
+    diagnosis_row,
+    read_assignments,
+    recorded_episodes,
+)
+from cbdsl_compare.comparison import EpisodePair, ProgramComparison
+from cbdsl_compare.comparison import compare as compare_programs
 
 _SIDE = "Program, with options behind commas, such as reach,stage=absent or take,policy=FILE."
 First = Annotated[str, typer.Argument(metavar="A", help=_SIDE)]
@@ -29,7 +30,6 @@ Seeds = Annotated[str, typer.Option("--seeds", help="First and last seed.")]
 All = Annotated[
     bool, typer.Option("--all", help="Run all seeds, even when the difference is decided.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Markdown = Annotated[
     bool, typer.Option("--markdown", help="Print a table, such as for $GITHUB_STEP_SUMMARY.")
 ]

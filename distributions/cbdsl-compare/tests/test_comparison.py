@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.api.compare import ProgramComparison, compare, difference_interval, is_open
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl_compare.comparison import ProgramComparison, compare, difference_interval, is_open
 
 
 def test_difference_interval_is_decided_by_nine_pairs_in_one_direction() -> None:

@@ -1,15 +1,17 @@
-"""``cbdsl.compare``: paired episodes of two programs, until their difference is decided."""
+"""Paired episodes of two programs, until the difference of their success rates is decided."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from cbdsl.api.requests.run_request import RunRequest
-    from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl import EpisodeResult, RunRequest, UsageError, open_robot
+
+# Probability that an interval lies beyond the proportion on one side.
+_TAIL = 0.025
 
 
 class EpisodePair(NamedTuple):
@@ -84,6 +86,39 @@ class ProgramComparison:
         return next((p for p in self.pairs if p.successes[0] != p.successes[1]), None)
 
 
+def anytime_interval(hits: int, trials: int, tail: float = _TAIL) -> tuple[float, float]:
+    """Return an interval of a proportion that holds at all numbers of trials simultaneously.
+
+    Trials may therefore stop as soon as the interval has excluded a value.
+
+    Args:
+        hits: Number of successes.
+        trials: Number of independent trials; 0 gives the interval from 0 to 1.
+        tail: Probability that any interval of the sequence misses the proportion.
+
+    Raises:
+        ValueError: If there were fewer trials than hits.
+    """
+    if not 0 <= hits <= trials:
+        raise ValueError(f"{hits} of {trials} is not a proportion")
+    from scipy.optimize import brentq
+    from scipy.special import betaln, xlog1py, xlogy
+
+    # The mixture martingale of Robbins (1970): the likelihood of the trials, averaged over all
+    # proportions q, over that of one proportion p,
+    #     M(p) = B(h + 1, n - h + 1) / (p^h (1 - p)^(n - h)).
+    # If p is the proportion, M(p) has the mean 1, and by Ville's inequality it ever exceeds
+    # 1 / tail with at most the probability tail. The interval holds all p with M(p) below that.
+    def excess(p: float) -> float:
+        likelihood = xlogy(hits, p) + xlog1py(trials - hits, -p)
+        return float(betaln(hits + 1, trials - hits + 1) - likelihood + math.log(tail))
+
+    best = hits / trials if trials else 0.5
+    lower = brentq(excess, 1e-300, best) if hits else 0.0
+    upper = brentq(excess, best, 1.0 - 1e-16) if hits < trials else 1.0
+    return float(lower), float(upper)
+
+
 # Model: pairs are independent, and a pair is discordant with the probability d. Given that, the
 # second program is the better one with the probability q. The difference of the success rates is
 # d (2 q - 1), and q is 1/2 without a difference (McNemar, 1947). Sequences of intervals of d and q,
@@ -97,8 +132,6 @@ def difference_interval(first: int, second: int, pairs: int) -> tuple[float, flo
         second: Number of pairs in which the second alone succeeded.
         pairs: Number of all pairs.
     """
-    from cbdsl.numeric.proportion import anytime_interval
-
     discordant = anytime_interval(first + second, pairs)
     low, high = (2.0 * end - 1.0 for end in anytime_interval(second, first + second))
     return (
@@ -148,9 +181,6 @@ def compare(
         DiagnosticsError: A document has errors.
         UsageError: An item is missing, not installed or unsuitable, or there is no seed.
     """
-    from cbdsl.api.open_robot import open_robot
-    from cbdsl.diagnostics.errors import UsageError
-
     if not seeds:
         raise UsageError("a comparison needs at least one seed")
     pairs: list[EpisodePair] = []
