@@ -27,9 +27,9 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potentials.field import HarmonicField
 from cbdsl.control.potentials.grid import FREE, Grid
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 
 GOAL = np.full(3, 0.31)

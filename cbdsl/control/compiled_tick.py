@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from cbdsl.control.conditions.condition_plan import note_conditions
 from cbdsl.control.conditions.predicate import note, require_settled
 from cbdsl.control.hessian import has_hessian, write_hessian
@@ -20,7 +22,7 @@ from cbdsl.control.potential import Rule
 from cbdsl.control.reference import NEEDS_HESSIANS, NOT_FINITE, move
 from cbdsl.control.slot import IDLE, TRACK, error_bound
 from cbdsl.control.slot_mode import decide
-from cbdsl.control.slot_step import TaskArrays, fraction_of, write_level
+from cbdsl.control.slot_step import TaskArrays, allow, fraction_of, write_level
 from cbdsl.control.stack import TICKS
 from cbdsl.kinematics.link_distance import DistanceArrays
 from cbdsl.numeric.arrays import Floats, Integers, Records
@@ -104,7 +106,7 @@ def tick(arrays: Handle) -> int:
     levels.clock[0] = (levels.clock[0] + 1) % TICKS
     active = False
     for number in range(len(acting.order)):
-        if not _write_level(number, acting, signals, plan, levels, law):
+        if not _write_level(number, held):
             return int(acting.order[number, 3])
         active |= levels.ages[acting.order[number, 3]] > 0
     if not active:
@@ -123,21 +125,14 @@ def tick(arrays: Handle) -> int:
 
 
 @compiled
-def _write_level(
-    number: int,
-    acting: ActingArrays,
-    signals: SignalArrays,
-    plan: PlanArrays,
-    levels: LevelArrays,
-    law: LawArrays,
-) -> bool:
+def _write_level(number: int, held: TickArrays) -> bool:
     """Decide a slot's mode, and write its level if it acts; return whether its numbers are finite.
 
     Args:
         number: Row of the slot in ``acting.order``.
-        acting: Controllers that act.
-        signals, plan, levels, law: Arrays of the tick.
+        held: Arrays of the tick.
     """
+    signals, plan, acting, levels, law = held.signals, held.plan, held.acting, held.levels, held.law
     who, columns = acting.order[number], acting.columns
     slot, place = plan.slots[who[0]], who[3]
     newest, ages, end = levels.clock[0], levels.ages, levels.ends[place]
@@ -155,11 +150,19 @@ def _write_level(
         levels.rows[newest - 1, first:end],
         displacement,
         acting.steps,
+        levels.sides[first:end],
+        np.empty(slot.size),
     )
     again = ages[place] > 0
     if not write_level(slot, signals.table, plan.parameters, task, law.displacement, again):
         return False
     copy(levels.requested[first:end], displacement, 1.0)
+    if slot.side != 0.0:
+        leads = np.empty(len(acting.joints))
+        for joint in range(len(leads)):
+            at = acting.joints[joint]
+            leads[joint] = held.references[at] - signals.sensed.positions[at]
+        allow(slot, task, leads, levels.requested[first:end])
     levels.fractions[place], levels.errors[place] = fraction_of(slot), slot.error
     levels.curved[place] = slot.rule == _RESIDUAL and has_hessian(slot, signals.table.records)
     ages[place] = min(ages[place] + 1, TICKS)

@@ -8,7 +8,7 @@ rows above, and D the displacement composed so far. With P = I - B B', the level
 by the singular values of J P, damped where one is small. Then B grows by its directions. A level
 that cannot achieve v takes Newton's step instead (``second_order``). A joint that d would push past
 a limit joins B at its limit, and the level is solved again. A step that exceeds a joint's speed is
-shortened as a whole.
+shortened as a whole. A row whose bound d would pass joins B as well (``row_bounds``).
 
 Assumption: rows change by little in a tick. Those of its middle are extrapolated from three ticks.
 Source: Eq 3.23 to 3.26 of the dissertation, with a basis in place of I - J^# J, which leaks where
@@ -24,9 +24,10 @@ import numpy as np
 
 from cbdsl.control.basis import Basis, empty_basis, pin_joints, resist, span
 from cbdsl.control.half_tick import write_middle
-from cbdsl.control.joint_bounds import displacement_bounds, lock, shorten
+from cbdsl.control.joint_bounds import displacement_bounds, keep_within, lock, shorten
 from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
+from cbdsl.control.row_bounds import go_to_bound, hold_row, leave_idle
 from cbdsl.control.second_order import (
     Way,
     add_curvature,
@@ -73,20 +74,20 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
     Returns:
         True if a level needs Hessians and ``bends`` is False; the displacement is then unfinished.
     """
-    ages, ends, total, locked = levels.ages, levels.ends, law.displacement, law.locked
-    middle = np.empty(levels.rows.shape[1:])
+    ages, total, middle = levels.ages, law.displacement, np.empty(levels.rows.shape[1:])
     _clear(law, levels)
     if not write_middle(positions, levels, bends, middle):
         fill(total, math.nan)
         return False
     joints, bounds = len(total), displacement_bounds(positions, law)
+    rows, wanted = middle.copy(), levels.requested.copy()
     basis, taken = empty_basis(joints, len(middle)), 0
     start, delicate, second = 0, False, levels.curved.any()
-    for level in range(len(ends)):
-        end = ends[level]
-        # Every pass locks a joint or is the last.
+    for level, end in enumerate(levels.ends):
+        leave_idle(levels, level, start, total, middle, wanted)
+        # Every pass locks a joint, reaches a bound or is the last.
         while taken < joints and ages[level] > 0:
-            own, requested = middle[start:end], levels.requested[start:end]
+            own, requested = middle[start:end], wanted[start:end]
             sizes = law.singular_values[start:end]
             residual = _task_residual(own, requested, total)
             parts = span(own, basis, taken, start, sizes)
@@ -104,30 +105,41 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
                     levels.bent[0] = True
                     if not bends:
                         return True
-                    scale(left, 1.0 / way.fraction)
-                    curvature = _curve(left, basis, taken, middle, start, levels.hessians)
+                    curvature = _curve(left, way, basis, taken, middle, start, levels.hessians)
                     change, resisted = newton_step(
                         curvature, basis.directions, taken, values, along, law.guards, way
                     )
             shorten(change, law, bounds)
-            if not lock(change, law, bounds):
-                add(total, change, 1.0)
+            if lock(change, law, bounds):
+                taken = pin_joints(law.locked, basis, taken)
+                continue
+            reached = go_to_bound(levels, end, rows, total, change)
+            if reached < 0:
                 delicate |= singular
-                before = levels.withheld[level] if ages[level] > 1 else 0
-                taken = resist(resisted, basis, below, least_resisted(way), before)
-                levels.withheld[level] = taken - below
+                taken = _withhold(level, levels, resisted, basis, below, least_resisted(way))
                 break
-            taken = pin_joints(locked, basis, taken)
+            taken = hold_row(reached, rows, levels, basis, taken, middle, law.singular_values)
         start = end
-    for joint in range(joints):
-        total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
+    keep_within(total, bounds)
     return False
+
+
+@compiled
+def _withhold(
+    level: int, levels: LevelArrays, resisted: Floats, basis: Basis, taken: int, least: float
+) -> int:
+    """Withhold directions that a level resists; return the basis' number of directions."""
+    before = levels.withheld[level] if levels.ages[level] > 1 else 0
+    more = resist(resisted, basis, taken, least, before)
+    levels.withheld[level] = more - taken
+    return more
 
 
 @compiled
 def _clear(law: LawArrays, levels: LevelArrays) -> None:
     """Clear the result of the last tick."""
     levels.bent[0] = False
+    levels.idle[:] = False
     fill(law.displacement, 0.0)
     fill(law.singular_values, 0.0)
     for joint in range(len(law.locked)):
@@ -199,9 +211,16 @@ def _undone(
 
 @compiled
 def _curve(
-    left: Floats, basis: Basis, taken: int, middle: Floats, start: int, hessians: Floats
+    left: Floats,
+    way: Way,
+    basis: Basis,
+    taken: int,
+    middle: Floats,
+    start: int,
+    hessians: Floats,
 ) -> Floats:
-    """Return the curvature (n, n) of the error (k,) that a level's step leaves undone."""
+    """Return the curvature (n, n) of the error that a level's step leaves undone, shape (k,)."""
+    scale(left, 1.0 / way.fraction)
     joints, end = middle.shape[1], start + len(left)
     curvature, pull = np.zeros((joints, joints)), np.zeros(joints)
     add_curvature(hessians[start:end], left, -1.0, curvature)

@@ -30,6 +30,13 @@ def displacement_bounds(positions: Floats, law: LawArrays) -> Floats:
 
 
 @compiled
+def keep_within(total: Floats, bounds: Floats) -> None:
+    """Move each joint's displacement (n,) into its bounds (2, n)."""
+    for joint in range(len(total)):
+        total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
+
+
+@compiled
 def shorten(change: Floats, law: LawArrays, bounds: Floats) -> None:
     """Shorten a change as a whole so that every joint keeps within its largest step."""
     total, locked, steps = law.displacement, law.locked, law.steps

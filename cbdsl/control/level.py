@@ -29,6 +29,9 @@ class LevelArrays(NamedTuple):
         withheld: Number of directions that each level withheld from those below in the preceding
             tick, because it resists them, shape (levels,).
         bent: True if a level used its Hessians in the preceding tick, shape (1,).
+        sides: 0 for rows that request a displacement. 1 for rows whose bound allows it at most, -1
+            for rows whose bound requires it at least, shape (k,).
+        idle: True for rows of bounds that no level reached in this tick, shape (k,).
     """
 
     clock: NDArray[np.int64]
@@ -42,6 +45,8 @@ class LevelArrays(NamedTuple):
     hessians: Floats
     withheld: NDArray[np.int64]
     bent: NDArray[np.bool_]
+    sides: Floats
+    idle: NDArray[np.bool_]
 
 
 class Level(NamedTuple):

@@ -54,10 +54,12 @@ def compose_below(
     below = LevelArrays(
         np.full(1, newest), together, ages, wanted, last, np.ones(count), np.zeros(count),
         np.zeros(count, np.bool_), np.zeros((0, joints, joints)), np.zeros(count, np.int64),
-        np.zeros(1, np.bool_),
+        np.zeros(1, np.bool_), np.zeros(total), np.zeros(total, np.bool_),
     )  # fmt: skip
+    copy(below.sides[first:], levels.sides, 1.0)
     values = np.zeros(total)
     own = LawArrays(law.limits, law.steps, law.guards, law.displacement, law.locked, borrow(values))
     compose(here, borrow(below), False, own)
     # The use of the levels after the composition keeps them alive until then.
     copy(law.singular_values, values[len(below.requested) - size :], 1.0)
+    levels.idle[:] = below.idle[len(below.requested) - size :]

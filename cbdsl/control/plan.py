@@ -62,6 +62,7 @@ class SlotForm(NamedTuple):
         spin: Axis of the tip, 0 to 2, about which the task lets it turn; -1 for none.
         tolerance: Largest error at rest, in the unit of the feedback.
         share: Largest error at rest as a share of the reference's norm.
+        lags: True for a feedback that moves with the positions of joints, unlike a force.
     """
 
     potential: Potential
@@ -81,6 +82,7 @@ class SlotForm(NamedTuple):
     spin: int = -1
     tolerance: float = math.inf
     share: float = math.inf
+    lags: bool = False
 
     @property
     def carrier(self) -> int:
@@ -159,6 +161,7 @@ class ControllerPlan:
         slot["watches"] = form.watches
         slot["carried"], slot["spin"] = form.carried, form.spin
         slot["tolerance"], slot["share"] = form.tolerance, form.share
+        slot["side"], slot["lags"] = potential.side, form.lags
         slot["turned"], slot["onset"] = form.turned, self._wait(form.onset)
         self.slots = np.concatenate((self.slots, slot))
         self.parameters = np.concatenate((self.parameters, potential.parameters))

@@ -25,7 +25,7 @@ from numba.experimental.function_type import _get_jit_address
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import Function, compiled_once
 
@@ -162,6 +162,9 @@ class Potential:
         rule: Rule that turns it into a displacement.
         parameters: Parameters of the controller, shape (p,).
         identity: True if its slope is the identity, which it then does not write.
+        side: 1 for upper bounds, -1 for lower ones, otherwise 0. A bound writes the slopes of all
+            components, of which each selects or weighs components of the value. Its residual is 0
+            where slope times (reference - value) has the sign of the side.
         prepare: Computation before the tick, or ``None``.
         refuse: Function that explains a NaN from a value and a reference.
     """
@@ -171,15 +174,21 @@ class Potential:
     rule: Rule = Rule.RESIDUAL
     parameters: Floats = field(default_factory=lambda: np.zeros(0))
     identity: bool = False
+    side: float = 0.0
     prepare: Prepare | None = None
     refuse: Callable[[Floats, Floats], str] | None = None
 
     def evaluate(
         self, value: Floats, reference: Floats, rows: int
     ) -> tuple[float, Floats, NDArray[np.float64]]:
-        """Return phi, the residual (k,) and the slope (k, rows), as computed in the tick."""
+        """Return phi, the residual (k,) and the slope (k, rows), as computed in the tick.
+
+        Components that obey a bound have a slope of 0.
+        """
         residual, slope = np.zeros(self.size), np.zeros((self.size, rows))
         phi = self.function(value, reference, self.parameters, residual, slope)
         if self.identity:
             slope[:] = np.eye(self.size)
+        if self.side:
+            slope[residual == 0.0] = 0.0
         return phi, residual, slope

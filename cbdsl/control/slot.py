@@ -81,6 +81,10 @@ SLOT = np.dtype(
         # tip about which the task lets it turn, -1 for none.
         ("carried", np.bool_),
         ("spin", np.int64),
+        # Bound: 1 for an upper one, -1 for a lower one, 0 for none; and whether its feedback moves
+        # with the positions of joints, which lag behind their references.
+        ("side", np.float64),
+        ("lags", np.bool_),
         # Share of its step that a scalar potential takes, by the overshoot of the last steps.
         ("stride", np.float64),
     ]

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cbdsl.control.conditions.rate import displace
+from cbdsl.control.conditions.rate import brake_before, displace
 from cbdsl.control.potential import Rule, call_at
 from cbdsl.control.slot import TRACK
 from cbdsl.numeric.arrays import Floats, Integers
@@ -31,6 +31,8 @@ class TaskArrays(NamedTuple):
         before: Displacement of the task coordinates in the preceding tick, shape (k,); becomes this
             tick's.
         steps: Steps of the joints' encoders, rad or m, shape (n,).
+        sides: Become the sides of bounds that hold, otherwise 0, shape (k,).
+        room: Become the ways to these bounds, in the slot's unit, shape (k,).
     """
 
     columns: Integers
@@ -38,6 +40,8 @@ class TaskArrays(NamedTuple):
     last: Floats
     before: Floats
     steps: Floats
+    sides: Floats
+    room: Floats
 
 
 @compiled
@@ -70,6 +74,11 @@ def write_level(
     residual, slope = np.zeros(size), np.zeros((0 if slot.identity else size, rows))
     phi: float = call_at(slot.address, here, there, own, residual, slope)  # type: ignore[call-arg]
     jacobian = table.jacobian[feedback.row : feedback.row + rows]
+    fill(task.sides, 0.0)
+    whole = slope
+    if slot.side != 0.0:
+        whole = slope.copy()
+        _find_room(slot.side, here, there, residual, slope, task)
     _select(jacobian, slope, slot.identity, task.columns, level)
     step = np.empty(size)
     if slot.rule == _RESIDUAL:
@@ -88,7 +97,39 @@ def write_level(
         return False
     if slot.mode == TRACK:
         slot.phi, slot.error, slot.ripple = phi, error, ripple
+    if slot.side != 0.0:
+        _select(jacobian, whole, False, task.columns, level)
     return True
+
+
+@compiled
+def _find_room(
+    side: float, here: Floats, there: Floats, residual: Floats, slope: Floats, task: TaskArrays
+) -> None:
+    """Find the components of a bound that obey it; their slopes become 0."""
+    for i in range(len(residual)):
+        if residual[i] == 0.0:
+            task.sides[i], task.room[i] = side, 0.0
+            for row in range(slope.shape[1]):
+                task.room[i] += side * slope[i, row] * (there[row] - here[row])
+            fill(slope[i], 0.0)
+
+
+@compiled
+def allow(slot: Any, task: TaskArrays, leads: Floats, requested: Floats) -> None:
+    """Let levels below move as far as each bound that holds allows in this tick.
+
+    Args:
+        slot: Slot of the bound.
+        task: Task coordinates of the slot.
+        leads: Distances of the joints' references from their positions, rad, shape (n,).
+        requested: Displacement that each row requests or allows, shape (k,).
+    """
+    for i in range(len(requested)):
+        side = task.sides[i]
+        if side != 0.0:
+            ahead = side * dot(task.level[i], leads) if slot.lags else 0.0
+            requested[i] = side * brake_before(task.room[i] - ahead, slot.bounds)
 
 
 @compiled

@@ -48,7 +48,7 @@ class Stack:
             self.clock, self.rows, self.ages, self.wanted, self.ends, np.ones(len(levels)),
             np.zeros(len(levels)), np.zeros(len(levels), dtype=np.bool_),
             np.zeros((size, joints, joints)), np.zeros(len(levels), dtype=np.int64),
-            np.zeros(1, dtype=np.bool_),
+            np.zeros(1, dtype=np.bool_), np.zeros(size), np.zeros(size, dtype=np.bool_),
         )  # fmt: skip
 
     @classmethod
@@ -96,9 +96,22 @@ class Stack:
     def extrapolated(self) -> tuple[Level, ...]:
         """Return the levels that act, with their Jacobians half a tick ahead."""
         rows = extrapolate_half_tick(self.rows, self.newest, self.ages, self.ends)
+        rows[self.arrays.idle] = 0.0
         names = [name for name, age in zip(self.names, self.ages, strict=True) if age]
-        parts = zip(names, self.split(rows), self.split(self.wanted), strict=True)
+        parts = zip(names, self.split(rows), self.split(self.requested), strict=True)
         return tuple(Level(name, jacobian, velocity) for name, jacobian, velocity in parts)
+
+    @property
+    def acting_rows(self) -> Floats:
+        """Rows of this tick, shape (k, n); 0 for bounds that no level reaches."""
+        rows: Floats = np.where(self.arrays.idle[:, None], 0.0, self.rows[self.newest])
+        return rows
+
+    @property
+    def requested(self) -> Floats:
+        """Requested displacement of these rows, shape (k,)."""
+        requested: Floats = np.where(self.arrays.idle, 0.0, self.wanted)
+        return requested
 
     def split(self, values: Floats) -> list[Floats]:
         """Return the values (k, ...) of each level that acts."""

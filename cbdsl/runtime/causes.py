@@ -119,11 +119,11 @@ class Balance(NamedTuple):
     def cause(self, place: int) -> RestCause | None:
         """Return the cause that keeps a level from its target; ``None`` if nothing does."""
         stack = self.step.stack
-        wanted = stack.split(stack.wanted)[place]
+        wanted = stack.split(stack.requested)[place]
         requested = float(np.linalg.norm(wanted))
         if requested <= _ROUNDING:
             return None
-        rows = stack.split(stack.rows[stack.newest])
+        rows = stack.split(stack.acting_rows)
         own, above = rows[place], rows[:place]
         number = int(np.flatnonzero(stack.ages)[place])
         length = float(stack.arrays.errors[number])
@@ -163,7 +163,7 @@ class Balance(NamedTuple):
         bend, levels = np.zeros((len(pull), len(pull))), stack.arrays
         if not levels.bent[0]:
             return bend
-        above = stack.split(stack.rows[stack.newest])[:place]
+        above = stack.split(stack.acting_rows)[:place]
         multipliers = np.linalg.lstsq(np.vstack([*above, 0.0 * pull]).T, pull, 1e-6)[0][:-1]
         ends = np.cumsum([len(rows) for rows in above], dtype=np.int64)
         weights = [*np.split(-multipliers, ends)[:-1], error]

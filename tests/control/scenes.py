@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potentials.field import HarmonicField
 from cbdsl.control.potentials.grid import FREE, Grid
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 
 

@@ -27,6 +27,7 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
         np.zeros(1, dtype=int), rows, np.ones(count, dtype=int), np.concatenate(wanted), ends,
         np.ones(count), np.zeros(count), np.zeros(count, dtype=bool),
         np.zeros((ends[-1], joints, joints)), np.zeros(count, dtype=int), np.zeros(1, dtype=bool),
+        np.zeros(ends[-1]), np.zeros(ends[-1], dtype=bool),
     )  # fmt: skip
     steps, guards = np.full(joints, FREE), np.array([0.0, 1e-300, FREE])
     law = LawArrays(limits, steps, guards, step, locked, values)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics

@@ -27,7 +27,8 @@ from cbdsl.types.potential import POTENTIALS
 # Measures that a speed bounds.
 _NORM, _LARGEST, _JOINTS = 0.0, 1.0, 2.0
 
-_FORCES = frozenset({"force", "torque", "wrench"})
+#: Types of feedbacks that joints change by pressing.
+FORCES = frozenset({"force", "torque", "wrench"})
 
 
 class _Bounds(NamedTuple):
@@ -65,7 +66,7 @@ def bounds_of(controller: Controller, period: float) -> Floats:
         period: Period of the control ticks, s.
     """
     kind, speed, acceleration = controller.task, controller.speed, controller.acceleration
-    potential, forces = POTENTIALS[controller.potential], kind.name in _FORCES
+    potential, forces = POTENTIALS[controller.potential], kind.name in FORCES
     measure = _LARGEST if kind.name == "configuration" else _NORM
     if forces or potential.scalar:
         measure = _JOINTS
@@ -116,6 +117,25 @@ def displace(
         add(step, before, 1.0 / period)
     copy(before, step, period)
     return True
+
+
+@compiled
+def brake_before(room: float, bounds: Floats) -> float:
+    """Return the part of a way that a task may go in a tick so that it can stop at its end.
+
+    Args:
+        room: Way to a bound, in the task's unit; negative beyond the bound, from which the task
+            returns by half.
+        bounds: Gain and bounds from ``bounds_of``.
+    """
+    acceleration, period = bounds[2], bounds[3]
+    if room <= 0.0:
+        return 0.5 * room
+    if acceleration < math.inf:
+        rate = np.full(1, room / period)
+        _brake(rate, room, acceleration)
+        room = min(room, rate[0] * period)
+    return room
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 ``at_most`` is phi = e . e / 2 with e the excess of the feedback over its reference in each
 component, and 0 in a component that does not exceed it. ``at_least`` is the same with the
-shortfall. The slope of a bound that is met is 0 as well, so that lower levels may move along it.
+shortfall. A component that obeys its bound is free: lower levels move it up to the bound.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ def bound(components: tuple[int, ...], side: float) -> Potential:
         components: Indices of the components.
         side: 1 for an upper bound, -1 for a lower one.
     """
-    return Potential(excess, len(components), parameters=np.array([side, *map(float, components)]))
+    parameters = np.array([side, *map(float, components)])
+    return Potential(excess, len(components), parameters=parameters, side=side)
 
 
 def _components(controller: Controller) -> tuple[int, ...]:
@@ -50,8 +51,8 @@ def excess(
     for i in range(len(residual)):
         component = int(parameters[i + 1])
         error = reference[component] - value[component]
+        slope[i, component] = 1.0
         if side * error < 0.0:
             residual[i] = error
-            slope[i, component] = 1.0
             phi += 0.5 * error * error
     return phi

@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potentials.grid import BORDER, FREE, Grid, Vertex
 from cbdsl.control.potentials.multigrid import Multigrid, neighbour_sum
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.control.signal import SignalError
 from cbdsl.numeric.arrays import Booleans, Floats
 

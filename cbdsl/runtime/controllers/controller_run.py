@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl.control.conditions.predicate import PREDICATES, restart, settings_of
-from cbdsl.control.conditions.rate import bounds_of
+from cbdsl.control.conditions.rate import FORCES, bounds_of
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.potential_registry import build
 from cbdsl.control.setting import Setting
@@ -89,6 +89,7 @@ class ControllerRun:
             carried=record.located,
             tolerance=_tolerance(controller),
             share=_share(controller),
+            lags=controller.task.name not in FORCES,
         )._replace(**anchor_of(controller, signals, rows)._asdict())
         form = modified(plain, SlotSetting(controller, signals, period))
         self.rows = rows._replace(feedback=form.feedback, reference=form.reference)

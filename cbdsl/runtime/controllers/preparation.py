@@ -7,9 +7,9 @@ from importlib import import_module
 
 import numpy as np
 
-from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential
 from cbdsl.control.potentials.field import NoPathError
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.control.signal import require_finite
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Ball, Controller, Modifier, Relative

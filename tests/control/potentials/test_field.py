@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potentials.field import HarmonicField, NoPathError
 from cbdsl.control.potentials.grid import Grid
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from tests.control.scenes import SCENES, Scene, cluttered, cube
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potentials.grid import BORDER, FREE, Grid
+from cbdsl.control.potentials.obstacle import Obstacle
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])

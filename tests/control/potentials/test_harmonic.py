@@ -9,13 +9,13 @@ import pytest
 
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
-from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential
 from cbdsl.control.potential_registry import build
 from cbdsl.control.potentials import harmonic
 from cbdsl.control.potentials.field import HarmonicField, NoPathError
 from cbdsl.control.potentials.grid import Grid
 from cbdsl.control.potentials.harmonic import Harmonic
+from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.control.setting import Setting
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Field, Quiescence
