@@ -25,7 +25,7 @@ from numba.experimental.function_type import _get_jit_address
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from cbdsl.control.potentials.obstacle import Obstacle
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import Function, compiled_once
 

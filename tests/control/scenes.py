@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.control.potentials.field import HarmonicField
 from cbdsl.control.potentials.grid import FREE, Grid
-from cbdsl.control.potentials.obstacle import Obstacle
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 
 

@@ -13,7 +13,7 @@ import pytest
 from cbdsl.control.potentials.field import HarmonicField
 from cbdsl.control.potentials.grid import Grid
 from cbdsl.control.potentials.harmonic import Harmonic
-from cbdsl.control.potentials.obstacle import Obstacle
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from cbdsl.types.potential import POTENTIALS, Condition
 from tests.control.potentials.test_harmonic import prepared

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Box, Controller, Field

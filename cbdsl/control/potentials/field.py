@@ -23,8 +23,8 @@ import numpy as np
 
 from cbdsl.control.potentials.grid import BORDER, FREE, Grid, Vertex
 from cbdsl.control.potentials.multigrid import Multigrid, neighbour_sum
-from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.control.signal import SignalError
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Booleans, Floats
 
 # Largest residual at a vertex, as a share of 1 - phi there. Next to the flattest saddles of a

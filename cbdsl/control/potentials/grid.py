@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.potentials.obstacle import Obstacle
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Booleans, Floats
 
 Owners = NDArray[np.int32]

@@ -10,8 +10,8 @@ import numpy as np
 from cbdsl.control.potential import Potential, potential
 from cbdsl.control.potentials.field import HarmonicField
 from cbdsl.control.potentials.grid import Grid
-from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.control.setting import Setting
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Booleans, Floats
 from cbdsl.program.controller import Controller
 

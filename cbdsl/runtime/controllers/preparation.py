@@ -9,8 +9,8 @@ import numpy as np
 
 from cbdsl.control.potential import Potential
 from cbdsl.control.potentials.field import NoPathError
-from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.control.signal import require_finite
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Ball, Controller, Modifier, Relative
 from cbdsl.runtime.controllers.controller_rows import ControllerRows

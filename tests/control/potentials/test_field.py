@@ -7,7 +7,7 @@ import pytest
 
 from cbdsl.control.potentials.field import HarmonicField, NoPathError
 from cbdsl.control.potentials.grid import Grid
-from cbdsl.control.potentials.obstacle import Obstacle
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from tests.control.scenes import SCENES, Scene, cluttered, cube
 

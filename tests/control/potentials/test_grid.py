@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.potentials.grid import BORDER, FREE, Grid
-from cbdsl.control.potentials.obstacle import Obstacle
+from cbdsl.kinematics.obstacle import Obstacle
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])

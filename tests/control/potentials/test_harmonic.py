@@ -15,8 +15,8 @@ from cbdsl.control.potentials import harmonic
 from cbdsl.control.potentials.field import HarmonicField, NoPathError
 from cbdsl.control.potentials.grid import Grid
 from cbdsl.control.potentials.harmonic import Harmonic
-from cbdsl.control.potentials.obstacle import Obstacle
 from cbdsl.control.setting import Setting
+from cbdsl.kinematics.obstacle import Obstacle
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Field, Quiescence
 from cbdsl.types.resource import EffectorConfiguration, Origin, Resource
