@@ -15,8 +15,8 @@ from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.vision.camera import heading, within_view
-from cbdsl.sensing.vision.stereo import Ray, triangulate
+from cbdsl.sensing.vision.association.stereo import Ray, triangulate
+from cbdsl.sensing.vision.regions.camera import heading, within_view
 from cbdsl.types.resource import Headings, KernelSample, NetForces, NetLoad, Resource, Tip
 
 __all__ = [

@@ -30,7 +30,7 @@ from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.recording_folder import RecordingFolder
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.vision.instances import Instances
+from cbdsl.sensing.vision.memory.instances import Instances
 from cbdsl.storage.atomic_file import replace_file, write_text
 from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
 from cbdsl.types.source_record import channels_of

@@ -11,14 +11,14 @@ from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.table.tips import Tips
 from cbdsl.sensing.touch.strain import Strain
 from cbdsl.sensing.touch.touch import Touch
-from cbdsl.sensing.vision.blob_signals import BlobSignals
-from cbdsl.sensing.vision.distances import Distances
-from cbdsl.sensing.vision.marks import Marks
-from cbdsl.sensing.vision.novelty import Novelty
 from cbdsl.sensing.vision.shapes.solid_signals import SolidSignals
 from cbdsl.sensing.vision.shapes.surfaces import Surfaces
+from cbdsl.sensing.vision.signals.blob_signals import BlobSignals
+from cbdsl.sensing.vision.signals.distances import Distances
+from cbdsl.sensing.vision.signals.marks import Marks
+from cbdsl.sensing.vision.signals.novelty import Novelty
+from cbdsl.sensing.vision.signals.visual_signals import VisualSignals
 from cbdsl.sensing.vision.vision import Vision
-from cbdsl.sensing.vision.visual_signals import VisualSignals
 from cbdsl.types.resource import Resource
 from cbdsl.types.source_record import channels_of
 

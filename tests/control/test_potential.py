@@ -15,7 +15,7 @@ from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.vision.camera import heading, sighting_jacobian
+from cbdsl.sensing.vision.regions.camera import heading, sighting_jacobian
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuration
 from cbdsl.yaml_text.library import Library

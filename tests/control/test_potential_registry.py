@@ -14,7 +14,7 @@ from cbdsl.control.setting import Setting
 from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Quiescence
-from cbdsl.sensing.vision.camera import heading, sighting_jacobian
+from cbdsl.sensing.vision.regions.camera import heading, sighting_jacobian
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import EffectorConfiguration, Origin, Resource
 from cbdsl.types.resource_type import TYPES, ResourceType, configuration

@@ -15,7 +15,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.vision.camera import sight
+from cbdsl.sensing.vision.regions.camera import sight
 
 GREY, RED = (128, 128, 128), (255, 0, 0)
 

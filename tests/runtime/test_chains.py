@@ -22,7 +22,7 @@ from cbdsl.runtime.controllers.controller_rows import bind_rows
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.chain import CastError
-from cbdsl.sensing.vision.camera import heading
+from cbdsl.sensing.vision.regions.camera import heading
 from cbdsl.sensing.vision.vision import SeenHeading
 from cbdsl.types.casts import CASTS
 from cbdsl.types.resource import (
@@ -36,7 +36,7 @@ from cbdsl.types.resource import (
 )
 from cbdsl.types.source_record import Normals, chains_of, compares, normals_of, owner_of
 from tests.conftest import ROOT, Checked
-from tests.sensing.vision.test_visual_signals import between, facing, feel
+from tests.sensing.vision.signals.test_visual_signals import between, facing, feel
 
 STEP = 1e-6
 CHOSEN = NovelHeading, MarkHeading

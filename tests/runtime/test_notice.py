@@ -7,7 +7,7 @@ import pytest
 
 import cbdsl
 from cbdsl.runtime.tick import Tick
-from cbdsl.sensing.vision.camera import heading
+from cbdsl.sensing.vision.regions.camera import heading
 
 SEEDS = (5640000, 5640001)
 

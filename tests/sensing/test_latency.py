@@ -14,7 +14,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.vision.memory import PositionMemory
+from cbdsl.sensing.vision.memory.memory import PositionMemory
 from tests.backends.conftest import URDF, exact, made_stage, with_vision
 
 BALL = {"form": {"shape": "ball", "radius": 0.05}, "mass": 0.25, "color": [1, 0, 0]}

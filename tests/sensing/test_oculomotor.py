@@ -12,13 +12,13 @@ from cbdsl.control.potentials.localizability import seen_by
 from cbdsl.kinematics.kinematics import Frame
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.vision.camera import (
+from cbdsl.sensing.vision.association.stereo import Ray, triangulate
+from cbdsl.sensing.vision.regions.camera import (
     direction,
     heading,
     heading_jacobian,
     sighting_jacobian,
 )
-from cbdsl.sensing.vision.stereo import Ray, triangulate
 from tests.control.evaluation import Signal, evaluate
 
 Cameras = tuple[Frame, Frame]

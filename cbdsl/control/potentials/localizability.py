@@ -27,7 +27,7 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, norm
 from cbdsl.program.controller import Controller
-from cbdsl.sensing.vision.stereo import cross_rays
+from cbdsl.sensing.vision.association.stereo import cross_rays
 
 # Smallest height above the baseline, in baselines; on it phi has no bound and no gradient.
 _NO_HEIGHT = 1e-6

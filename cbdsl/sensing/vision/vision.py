@@ -13,12 +13,12 @@ from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.channels import ChannelFilter, Region, Regions
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.vision.camera import heading, line_of_sight
-from cbdsl.sensing.vision.field_of_view import FieldOfView
-from cbdsl.sensing.vision.instances import Instances
-from cbdsl.sensing.vision.memory import PositionMemory
-from cbdsl.sensing.vision.sighting import Sighting
-from cbdsl.sensing.vision.stereo import Ray, triangulate
+from cbdsl.sensing.vision.association.sighting import Sighting
+from cbdsl.sensing.vision.association.stereo import Ray, triangulate
+from cbdsl.sensing.vision.memory.instances import Instances
+from cbdsl.sensing.vision.memory.memory import PositionMemory
+from cbdsl.sensing.vision.regions.camera import heading, line_of_sight
+from cbdsl.sensing.vision.regions.field_of_view import FieldOfView
 
 # Time for which postures are kept, s; images must arrive with less delay.
 _KEPT = 1.5

@@ -13,7 +13,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.forward import rotation_of
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.vision.stereo import Ray, triangulate
+from cbdsl.sensing.vision.association.stereo import Ray, triangulate
 from cbdsl.yaml_text.library import Library
 from cbdsl_calibration.estimate import LEAST_VIEWS, CalibrationError, estimate
 

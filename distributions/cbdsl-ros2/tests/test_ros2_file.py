@@ -15,7 +15,7 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.recorded import Recorded
-from cbdsl.sensing.vision.camera import sight
+from cbdsl.sensing.vision.regions.camera import sight
 from tests.cli.test_main import cb
 from tests.conftest import ROOT
 

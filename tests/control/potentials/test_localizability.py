@@ -12,7 +12,7 @@ from cbdsl.control.potentials.localizability import seen_by
 from cbdsl.kinematics.kinematics import Frame
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.vision.camera import heading, sighting_jacobian
+from cbdsl.sensing.vision.regions.camera import heading, sighting_jacobian
 from tests.control.evaluation import Evaluation, Signal, evaluate
 
 # phi at 100, 75 and 50 cm; its scale is not given, so that only the two ratios can be compared.

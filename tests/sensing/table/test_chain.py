@@ -12,7 +12,7 @@ from cbdsl.sensing.table.chain import CastError, carry, require_executed
 from cbdsl.types.casts import CAMERA, CASTS, SIGHTING, Chain
 from cbdsl.types.source_record import chains_of
 from cbdsl.yaml_text.library import Library
-from tests.sensing.vision.test_visual_signals import (
+from tests.sensing.vision.signals.test_visual_signals import (
     CHANNEL,
     between,
     facing,

@@ -15,8 +15,8 @@ from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.curvature import BENDING, bend_row
 from cbdsl.sensing.table.refresh import CONTACT, HEADING, TIP
-from cbdsl.sensing.vision.camera import heading
-from cbdsl.sensing.vision.chosen_headings import _Lines
+from cbdsl.sensing.vision.regions.camera import heading
+from cbdsl.sensing.vision.signals.chosen_headings import _Lines
 from cbdsl.sensing.vision.vision import SeenHeading
 from cbdsl.types.resource import MarkHeading, NetForces, Resource
 from cbdsl.yaml_text.library import Library, shipped
