@@ -138,7 +138,7 @@ class Vision:
                 alone.clear()
         for channel_filter in self._filters.values():
             channel_filter.reset()
-        self._expects = self._knows()
+        self._has_state = self._has_any_state()
 
     @property
     def memories(self) -> Mapping[str, PositionMemory]:
@@ -200,9 +200,9 @@ class Vision:
         seen = self.seen = self._seen(observation)
         self._looking = seen.keys()
         # Most images of a search show no region, and no object is known yet.
-        if self._expects or any(seen.values()):
+        if self._has_state or any(seen.values()):
             self._look(seen)
-            self._expects = self._knows()
+            self._has_state = self._has_any_state()
 
     def carry(self, carried: Iterable[tuple[PositionMemory, Floats]]) -> None:
         """Displace remembered objects, m, shape (3,) each."""
@@ -261,7 +261,7 @@ class Vision:
                 large[channel] = several if all_are else [e for e in several if e.area >= least]
         return large
 
-    def _knows(self) -> bool:
+    def _has_any_state(self) -> bool:
         """Return whether even images without regions change the state of vision."""
         return (
             bool(self._lingering)
@@ -309,7 +309,7 @@ class Vision:
         """
         seen.clear()
         if instances.known:
-            instances.claim(seen, sightings)
+            instances.associate(seen, sightings)
         elif sightings:
             seen[instances.attended] = sightings[0]
 

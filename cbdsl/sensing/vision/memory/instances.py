@@ -94,20 +94,20 @@ class Instances:
         known = self.known
         if not known:
             self._attention.attended = 0
-        if self._is_one_thing(seen, known):
+        if self._is_single_object(seen, known):
             for each, sightings in zip(self.sightings, seen, strict=True):
                 if sightings:
                     each[self.attended] = sightings[0]
             if self._stereo:
-                self._remember(time, self.attended)
+                self._update_memory(time, self.attended)
         elif self._stereo:
-            self._tell_apart(time, seen, known)
+            self._associate_several(time, seen, known)
         else:
             for each, sightings in zip(self.sightings, seen, strict=True):
                 each[self.attended] = sightings[0]
         self._attention.update()
 
-    def _is_one_thing(self, seen: Sightings, known: Sequence[int]) -> bool:
+    def _is_single_object(self, seen: Sightings, known: Sequence[int]) -> bool:
         """Return whether all sightings may show the one known object, or the first one."""
         if len(known) > 1 or any([len(sightings) > 1 for sightings in seen]):
             return False
@@ -124,21 +124,21 @@ class Instances:
         far = reach + self._settings.hand_radius
         return all([each.distance(position) <= far for one in seen for each in one])
 
-    def _remember(self, time: float, number: int, *, believed: bool = True) -> None:
+    def _update_memory(self, time: float, number: int, *, believed: bool = True) -> None:
         """Update the memory of one object from the newest images."""
         memory = self.memories[number]
-        sighting = self._located(number) if believed else None
+        sighting = self._triangulated(number) if believed else None
         if sighting is not None and (memory.position is not None or self._is_whole(number)):
             position, _, sizes = sighting
-            aside = self._aside(number)
+            aside = self._distances_of_sight(number)
             if memory.has_shrunk(sizes, aside) and not self._occlusion.may_hide(number, position):
                 memory.forget_size(sizes, aside)
             if memory.see(time, position + memory.moved_since(self._exposed), sizes):
                 return
         if memory.position is not None:
-            memory.miss(time, explained=self._explains(time, number))
+            memory.miss(time, explained=self._may_remain(time, number))
 
-    def _aside(self, number: int) -> list[float]:
+    def _distances_of_sight(self, number: int) -> list[float]:
         """Return the distances of an object's lines of sight from its remembered position, m."""
         place = self.memories[number].position
         return [0.0 if place is None else each[number].distance(place) for each in self.sightings]
@@ -147,7 +147,7 @@ class Instances:
         """Return whether the regions of a newly seen object are compact, and so one object."""
         return all(is_compact(each[number].region) for each in self.sightings)
 
-    def _located(self, number: int) -> Meeting | None:
+    def _triangulated(self, number: int) -> Meeting | None:
         """Return where both cameras see an object whole, or ``None``."""
         left, right = [each.get(number) for each in self.sightings]
         if left is None or right is None or left.region.clipped or right.region.clipped:
@@ -157,7 +157,7 @@ class Instances:
             return None
         return meeting
 
-    def _explains(self, time: float, number: int) -> bool:
+    def _may_remain(self, time: float, number: int) -> bool:
         """Return whether an unseen object may still be at its remembered position."""
         memory = self.memories[number]
         position, radius = self._objects.ball(number)
@@ -171,18 +171,18 @@ class Instances:
             return True
         return not memory.is_lost(time) and self._merged.contain(number)
 
-    def _tell_apart(self, time: float, seen: Sightings, known: Sequence[int]) -> None:
+    def _associate_several(self, time: float, seen: Sightings, known: Sequence[int]) -> None:
         """Update from images with several regions, or with an object other than the known one."""
         for each, sightings in zip(self.sightings, seen, strict=True):
-            self.claim(each, sightings)
+            self.associate(each, sightings)
         for number in known:
-            self._retract(number)
+            self._reject_unconfirmed(number)
         grown = {k for k in known if self._merged.has_grown_together(k, known)}
         for number in known:
-            self._remember(time, number, believed=number not in grown)
+            self._update_memory(time, number, believed=number not in grown)
         self._discovery.update(time, seen, among=bool(known))
 
-    def claim(self, claims: dict[int, Sighting], sightings: Sequence[Sighting]) -> None:
+    def associate(self, associated: dict[int, Sighting], sightings: Sequence[Sighting]) -> None:
         """Assign to each remembered object a sighting that leads to it, the nearest pairs first."""
         options = []
         for number in self.known:
@@ -193,17 +193,17 @@ class Instances:
                     options.append((distance, number, place))
         taken = set()
         for _, number, place in sorted(options):
-            if number not in claims and place not in taken:
-                claims[number] = sightings[place]
+            if number not in associated and place not in taken:
+                associated[number] = sightings[place]
                 taken.add(place)
 
-    def _retract(self, number: int) -> None:
+    def _reject_unconfirmed(self, number: int) -> None:
         """Remove a sighting by one camera if the other should see the object, too, and does not."""
         position, radius = self._objects.ball(number)
-        claims = [number in each for each in self.sightings]
-        if claims[0] == claims[1] or self._field.is_hidden_by_hand(position):
+        confirmed = [number in each for each in self.sightings]
+        if confirmed[0] == confirmed[1] or self._field.is_hidden_by_hand(position):
             return
-        other = claims.index(False)
+        other = confirmed.index(False)
         views = self._field.views(position, radius)
         if views[other] and not self._occlusion.by_others(number)[other]:
             del self.sightings[1 - other][number]
