@@ -55,7 +55,7 @@ def test_folder_has_20_mb_and_a_licence_of_each_package(folder: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
 def test_page_checks_and_draws_in_the_browser_alone(address: str) -> None:
-    steps = "[...document.querySelectorAll('#automaton [data-step]')].map(e => e.dataset.step)"
+    steps = "[...document.querySelectorAll('#automaton [data-node]')].map(e => e.dataset.node)"
     with browser() as page:
         page.visit(address, 1400, 1000, "!!document.getElementById('state')")
         page.wait("document.getElementById('state').textContent === 'no errors'", PATIENCE)

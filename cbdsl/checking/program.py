@@ -222,7 +222,7 @@ class _ProgramCheck:
         program = self._program(checked, tables, background, conditions)
         check_ends(context, program, ends)
         check_contradictions(context, program, self._actions.places)
-        check_flow(context, program, self._automaton)
+        check_flow(context, program)
         check_suspicious(context, program, self._compositions.checked(), actions.places)
         return UNKNOWN if context.diagnostics.failed else program
 
@@ -291,7 +291,7 @@ class _ProgramCheck:
             success=tables.success,
             failure=tuple(tables.failure),
             reasons=tables.failure,
-            steps={str(step.expression): step.name for step in self._steps},
+            automaton=self._automaton,
             conditions={
                 name: condition
                 for name, condition in conditions.items()

@@ -9,12 +9,13 @@ from typing import NamedTuple
 
 from cbdsl.checking.rules.flow import automaton_of
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.language.exit import LETTERS, when_text
+from cbdsl.language.exit import when_text
 from cbdsl.language.parser import parse
 from cbdsl.program.automaton import Automaton, Box, ProgramStep, To
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.exit_list import with_short_exits
 from cbdsl.program.steps import kind_of_member
+from cbdsl.types.state import LETTERS
 from cbdsl.yaml_text.reader import formatted_text
 from cbdsl.yaml_text.writer import dump_plain
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 from cbdsl.language.expression import Span, Term
 from cbdsl.language.parser import read_term
 from cbdsl.language.scanner import CompositionError, Scanner
+from cbdsl.types.state import LETTERS
 
 #: Words for the letters of a member, by its kind.
 WORDS: Mapping[str, Mapping[str, str]] = {
@@ -30,8 +31,6 @@ WORDS: Mapping[str, Mapping[str, str]] = {
     "program": {"failed": "-", "running": "0", "succeeded": "1"},
     "condition": {"undefined": "-", "false": "0", "true": "1"},
 }
-#: Letters that a member of a running step may have: s at rest beyond its tolerance, 1 within it.
-LETTERS = "-01s"
 #: Letters of each kind of member; only a controller has a tolerance.
 OF_KIND = {"controller": LETTERS, "program": "-01", "condition": "-01"}
 OTHERWISE = "otherwise"

@@ -59,7 +59,7 @@ class Experience:
 
 def _read(row: Mapping[str, Any]) -> Experience:
     transitions = (
-        Transition(**{**fields, "rewarding": tuple(fields["rewarding"])})
+        Transition(**fields | {key: tuple(fields.get(key, ())) for key in ("rewarding", "stuck")})
         for fields in row["transitions"]
     )
     return Experience(

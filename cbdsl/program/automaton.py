@@ -13,8 +13,16 @@ from collections import deque
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from cbdsl.language.exit import LETTERS
-from cbdsl.types.state import ANY, ARRIVED, STUCK, Predicate, closest_first, outside, overlap
+from cbdsl.types.state import (
+    ANY,
+    ARRIVED,
+    LETTERS,
+    STUCK,
+    Predicate,
+    closest_first,
+    outside,
+    overlap,
+)
 
 Box = tuple[str, ...]
 """Letters of each member, as a string for each; the box is their product."""

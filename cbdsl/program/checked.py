@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from cbdsl.program.automaton import Automaton
 from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.schema import Schema
@@ -120,7 +121,7 @@ class CheckedProgram(NamedTuple):
             ``None`` for no limit.
         looks: Programs that define features of its schema, by name of the feature, in order of
             execution.
-        steps: Names of its steps by action; empty for a policy over patterns of states.
+        automaton: Its steps as written; ``None`` for a policy over patterns of states.
         conditions: Conditions by name, which are members, too, behind all others.
     """
 
@@ -146,8 +147,14 @@ class CheckedProgram(NamedTuple):
     is_learned: bool = False
     looks: Mapping[str, PriorLook] = {}
     lost_time: float | None = None
-    steps: Mapping[str, str] = {}
+    automaton: Automaton | None = None
     conditions: Mapping[str, ProgramCondition] = {}
+
+    @property
+    def steps(self) -> dict[str, str]:
+        """Names of its steps by action; empty for a policy over patterns of states."""
+        steps = self.automaton.steps.values() if self.automaton else ()
+        return {step.action: step.name for step in steps}
 
     @property
     def all_guards(self) -> Guards:

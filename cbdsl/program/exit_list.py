@@ -7,8 +7,9 @@ import math
 from collections.abc import Iterable, Iterator
 from functools import cache
 
-from cbdsl.language.exit import LETTERS, WORDS
+from cbdsl.language.exit import WORDS
 from cbdsl.program.automaton import Box, Exit, ProgramStep, To
+from cbdsl.types.state import LETTERS
 
 # Values of members up to which exits are searched. Beyond, the given boxes are kept.
 _MOST_VALUES = 3**6

@@ -24,6 +24,7 @@ class Transition:
         features: Defined features by name, in SI, when the action was chosen.
         use: Names of the actions that lead to the program, parted by dots; empty for the main one.
         reason: Reason that the program states for a failure in ``next_state``; empty otherwise.
+        stuck: Members at rest beyond their tolerance in ``next_state``.
     """
 
     program: str
@@ -39,6 +40,7 @@ class Transition:
     features: Mapping[str, float] = field(default_factory=dict)
     use: str = ""
     reason: str = ""
+    stuck: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:

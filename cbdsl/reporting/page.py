@@ -8,7 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.program.transition import Transition
+from cbdsl.reporting.automaton_text import AutomatonData, transition_text
 from cbdsl.reporting.bundle import Bundle
+from cbdsl.reporting.drawing.automaton_graph import automaton_graph
+from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reporting.drawn_links import DrawnLink, LinkShape, read_links
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled
@@ -19,7 +23,8 @@ from cbdsl.robot.meshes.mesh_reader import Mesh
 from cbdsl.runtime.recording import HOLDERS
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
-            "scene.js", "viewpoints.js", "world.js", "timeline.js", "replay.js")  # fmt: skip
+            "scene.js", "viewpoints.js", "world.js", "timeline.js", "steps.js",
+            "replay.js")  # fmt: skip
 _STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css")
 
 
@@ -32,7 +37,7 @@ def page(recorded: Recorded) -> str:
 
 def _data(recorded: Recorded) -> str:
     summary, bundle = recorded.summary, Bundle()
-    links = read_links(summary["robot"], summary["joints"])
+    links, automata = read_links(summary["robot"], summary["joints"]), summary.get("automata", {})
     header = {
         "result": {key: summary["result"][key] for key in _RESULT},
         **_causes(recorded),
@@ -41,7 +46,9 @@ def _data(recorded: Recorded) -> str:
         "holders": [*summary["controllers"], *HOLDERS],
         "triples": summary["triples"],
         "members": summary["members"],
-        "transitions": summary["transitions"],
+        "transitions": [_told(each, automata) for each in summary["transitions"]],
+        "steps": drawn_steps(automata),
+        "leads": summary.get("leads", {}),
         "predicates": summary["predicates"],
         "cells": summary["load_cells"],
         "guards": summary.get("guards", []),
@@ -72,6 +79,21 @@ def _causes(recorded: Recorded) -> dict[str, object]:
     return {"failed": diagnosis.failed, "causes": rows}
 
 
+def drawn_steps(automata: Mapping[str, AutomatonData]) -> dict[str, object]:
+    """Return the automata of programs by name, each with its picture as SVG."""
+    return {
+        name: {**each, "svg": svg(automaton_graph(name, automata, is_alone=True))}
+        for name, each in automata.items()
+    }
+
+
+def _told(recorded: Mapping[str, Any], automata: Mapping[str, AutomatonData]) -> dict[str, object]:
+    """Return a recorded transition with its words; they are empty if nothing tells its steps."""
+    automaton = automata.get(recorded["program"])
+    words = automaton and transition_text(automaton, Transition(**recorded))
+    return {**recorded, "words": words or ""}
+
+
 def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
     """Return values per tick, with the precision of a page."""
     arrays = recorded.arrays
@@ -85,9 +107,17 @@ def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
     series |= {key: arrays[key] for key in ("level_priority", "level_rank", "level_held_by")}
     series["time"] = arrays["time"]
     series["at_limits"] = arrays["at_limits"].astype(np.uint8)
+    if "errors" in arrays:
+        series["errors"] = arrays["errors"].astype(np.float32)
     if "guard_held" in arrays:
         series["guard_held"] = arrays["guard_held"].astype(np.uint8)
     series["forces"] = np.linalg.norm(arrays["loads"][..., :3], axis=-1).astype(np.float32)
+    automata = recorded.summary.get("automata", {}).values()
+    compared = {name for each in automata for own in each["compared"].values() for name, _ in own}
+    series |= {
+        f"signal_{name}": recorded.signals[name].astype(np.float32)
+        for name in sorted(compared & recorded.signals.keys())
+    }
     for name, data in recorded.summary["signals"].items():
         if data["place"]:
             series[f"point_{name}"] = arrays[f"signal_{name}"].astype(np.float32)

@@ -105,6 +105,28 @@ class _Part(BaseModel, strict=True):
     mesh: _Mesh = _Mesh(corners=[], triangles=[])
 
 
+class _Exit(BaseModel, strict=True):
+    when: str
+    to: str
+    letters: dict[str, str]
+
+
+class _Step(BaseModel, strict=True):
+    step: str
+    action: str
+    program: str
+    exits: list[_Exit]
+
+
+class _Automaton(BaseModel, strict=True):
+    members: list[str]
+    start: str
+    steps: list[_Step]
+    kinds: dict[str, Literal["program", "condition"]]
+    compared: dict[str, list[list[str | int]]]
+    reward_ends: bool
+
+
 class _Transition(BaseModel, strict=True):
     program: str
     depth: int
@@ -119,6 +141,7 @@ class _Transition(BaseModel, strict=True):
     features: dict[str, float] = {}
     use: str = ""
     reason: str = ""
+    stuck: list[str] = []
 
 
 class _Summary(BaseModel, strict=True):
@@ -133,6 +156,7 @@ class _Summary(BaseModel, strict=True):
     members: dict[str, list[str]]
     limits: dict[str, _Limits] = {}
     leads: dict[str, str] = {}
+    automata: dict[str, _Automaton] = {}
     channels: list[str] = []
     triples: dict[str, _RecordedTriple]
     signals: dict[str, _Signal]
@@ -162,6 +186,12 @@ def summary_faults(summary: Mapping[str, Any]) -> Iterator[str]:
         states = (each["state"], each["next_state"])
         if any(len(state) != len(members.get(each["program"], ())) for state in states):
             yield "transitions: have not one letter for each member"
+    for name, automaton in summary.get("automata", {}).items():
+        letters = (each["letters"] for step in automaton["steps"] for each in step["exits"])
+        if automaton["members"] != members.get(name) or any(
+            each.keys() - set(automaton["members"]) for each in letters
+        ):
+            yield f"automata: {name} has other members than its program"
     for parts in summary["scene"].values():
         yield from (fault for part in parts for fault in _part_faults(part))
 

@@ -119,7 +119,7 @@ class ProgramRun:
         program, self._offered = self._offered, None
         if program is None:
             return
-        known, parts, followed = set(self.runs), self._parts, self._policy is self._parts.written
+        known, parts, followed = set(self.runs), self._parts, self.is_written
         self._load(program)
         self._parts.clock.succeed(parts.clock)
         if followed:
@@ -209,6 +209,11 @@ class ProgramRun:
     def action(self) -> Action | None:
         """The action that runs now."""
         return self._action
+
+    @property
+    def is_written(self) -> bool:
+        """True if the program's own policy chooses its actions."""
+        return self._policy is self._parts.written
 
     @property
     def stuck(self) -> tuple[str, ...]:
@@ -375,6 +380,7 @@ class ProgramRun:
                 self._features,
                 self._use,
                 "" if conclusion is None else conclusion.reason,
+                self.stuck,
             )
         )
         self.state = state
@@ -393,9 +399,7 @@ class ProgramRun:
         elif self.transitions >= self.program.transitions:
             self._end("-", f"{self._parts.title} used up its {self.transitions} transitions")
         # A learner may try actions again that have changed nothing.
-        elif self._policy is self._parts.written and (
-            loop := self._parts.loop.note(self._action.name, state)
-        ):
+        elif self.is_written and (loop := self._parts.loop.note(self._action.name, state)):
             self._end("-", f"{self._parts.title} {loop}")
         else:
             self._choose(changed=changed)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import cv2
@@ -96,6 +97,7 @@ class Recording(EpisodeObserver):
         urdf: Path of the robot's URDF model.
         scenery: Function that returns the state of the world, for display only.
         source: File and digest of the program, by which a later change is noticed.
+        automata: Steps and exits of the programs by name, as data.
     """
 
     def __init__(
@@ -105,8 +107,9 @@ class Recording(EpisodeObserver):
         urdf: Path,
         scenery: Callable[[], WorldState] | None = None,
         source: tuple[str, str] = ("", ""),
+        automata: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
-        self._source = source
+        self._source, self._automata = source, automata
         self._program, self._robot, self._urdf = program, robot, urdf
         self._joints = Joints(robot).names
         self._resources = [each for each in resources_of(program) if not each.is_drawn]
@@ -268,6 +271,7 @@ class Recording(EpisodeObserver):
             "transitions": [asdict(transition) for transition in self._transitions],
             "members": members(self._program),
             "limits": limits(self._program),
+            "automata": dict(self._automata),
             "leads": self._leads,
             "channels": self._channels,
             "triples": {name: triple(each) for name, each in self._controllers.items()},

@@ -20,6 +20,8 @@ PREDICATES = "".join(Predicate)
 ANY = "*"
 #: Letters of patterns for a member at rest within its tolerance, and beyond it; 1 stands for both.
 ARRIVED, STUCK = "a", "s"
+#: Letters that a member of a running step may have: s at rest beyond its tolerance, 1 within it.
+LETTERS = "-01s"
 _SEVERAL = {ANY: "X-0as", Predicate.QUIESCENT.value: ARRIVED + STUCK}
 #: Regular expression of a state.
 STATE = r"^[X01-]+$"

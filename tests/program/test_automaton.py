@@ -7,10 +7,10 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.program.automaton import LETTERS, Automaton, Exit, ProgramStep, To, of_tables, without
+from cbdsl.program.automaton import Automaton, Exit, ProgramStep, To, of_tables, without
 from cbdsl.program.exit_list import with_short_exits
 from cbdsl.program.policy_table import PolicyTable
-from cbdsl.types.state import matches
+from cbdsl.types.state import LETTERS, matches
 
 MEMBERS = ("a", "b", "c", "d")
 BOX_LETTERS = st.sampled_from([LETTERS, "-", "0", "1", "s", "1s", "-0", "-1", "01s"])

@@ -10,6 +10,7 @@ import pytest
 
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.reporting.automaton_text import automata
 from cbdsl.reporting.recorded import Recorded, read_recording
 from cbdsl.runtime.recording import Recording
 from cbdsl.runtime.tick import Tick
@@ -53,7 +54,7 @@ def record(
 
     def run(name: str = "reachtouch", **more: object) -> Path:
         program = checked(name)
-        recording = Recording(program, dexter, urdf, Shown)
+        recording = Recording(program, dexter, urdf, Shown, automata=automata(program))
 
         def watch(tick: Tick) -> None:
             recording.note_tick(tick)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -130,6 +131,45 @@ def test_playback_stops_at_the_end_and_restarts(shown: Page, recorded: Recorded)
     shown.wait(f"{NOW} < {last / 2}")
     shown.click("#play")
     shown.value("document.getElementById('speed').value = '1'")
+
+
+def test_current_step_is_lit_with_the_values_of_its_exits(shown: Page, recorded: Recorded) -> None:
+    made = [each for each in recorded.summary["transitions"] if not each["depth"]]
+    last = made[-1]
+    go_to(shown, last["time"] - 0.02)
+    lit = "[...document.querySelectorAll('#running .now')].map(e => e.dataset.node)"
+    assert shown.value(lit) == [last["action"]]
+    assert f"reachtouch \u203a {last['action']}" in shown.text("running")
+    chips = "[...document.querySelectorAll('#running .letter')].map(e => e.textContent)"
+    told = " ".join(shown.value(chips))
+    assert re.search(r"touch moving \d\S* N", told) and "reach at rest" in told
+    shown.press("End")
+    assert shown.value(lit) == []
+
+
+def test_transitions_are_listed_in_words_and_the_last_one_is_marked(
+    shown: Page, recorded: Recorded
+) -> None:
+    made = recorded.summary["transitions"]
+    go_to(shown, made[-1]["time"])
+    items = shown.value("[...document.querySelectorAll('#transitions li')].map(e => e.textContent)")
+    assert len(items) == len(made)
+    assert items[-1].endswith("reach ◁ touch -> the end, since touch is at rest  ★ 1")
+    marked = "document.querySelector('#transitions .now').textContent"
+    assert shown.value(marked) == items[-1]
+
+
+def test_page_of_a_recording_without_automata_shows_letters_alone(
+    recorded: Recorded, tmp_path: Path
+) -> None:
+    summary = {key: own for key, own in recorded.summary.items() if key != "automata"}
+    file = tmp_path / "old.html"
+    file.write_text(page(replace(recorded, summary=summary)), encoding="utf-8")
+    with browser() as opened:
+        opened.open(file, "#t=1")
+        assert opened.errors == [] and opened.text("problem") == ""
+        assert opened.text("running") == ""
+        assert "searchtrack" in opened.text("transitions")
 
 
 def test_keys_step_and_go_to_transitions(shown: Page, recorded: Recorded) -> None:

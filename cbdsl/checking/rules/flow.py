@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.program_context import ProgramContext, Steps
-from cbdsl.language.exit import LETTERS, OF_KIND
+from cbdsl.language.exit import OF_KIND
 from cbdsl.program.automaton import END, Automaton, Exit, ProgramStep, Tables, meet, of_tables
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.dry_run import levels, rewarding, rows
-from cbdsl.types.state import STUCK, Predicate, tells_rest
+from cbdsl.types.state import LETTERS, STUCK, Predicate, tells_rest
 
 # The automaton over-approximates a run: any member may have any of its letters next. A step or an
 # exit that it does not reach is therefore never reached, while a path that it has may be one that
 # the physical world excludes.
 
 
-def automaton_of(program: CheckedProgram, written: Automaton | None = None) -> Automaton | None:
-    """Return the automaton of a checked program; ``None`` if it has no policy or no start.
+def automaton_of(program: CheckedProgram) -> Automaton | None:
+    """Return the automaton of a checked program, that of its steps as written if it has any.
 
-    Args:
-        program: Checked program.
-        written: Automaton of its steps as written; otherwise, its policy over states is one.
+    ``None`` if it has no policy or no start.
     """
+    written = program.automaton
     ways = (*program.policy, *program.success, *program.failure)
     tells = written is not None or tells_rest(ways)
     values = {member: values_of(member, program, tells=tells) for member in program.members}
@@ -70,15 +69,14 @@ def values_of(member: str, program: CheckedProgram, *, tells: bool) -> str:
     return letters if tells else letters.replace(STUCK, "")
 
 
-def check_flow(context: ProgramContext, program: CheckedProgram, written: Automaton | None) -> None:
+def check_flow(context: ProgramContext, program: CheckedProgram) -> None:
     """Report the faults of a program's automaton, each with the shortest path that leads there.
 
     Args:
         context: Context of the program's document.
         program: Checked program.
-        written: Automaton of its steps as written, if it has any.
     """
-    automaton = automaton_of(program, written)
+    automaton = automaton_of(program)
     if automaton is not None:
         _FlowCheck(context, program, automaton).all()
 

@@ -35,7 +35,7 @@ _CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
 # Longest time of a check and of a run, s.
 _CHECK, _RUN = 30.0, 180.0
 _PERIOD = 0.1
-_SCRIPTS = ("page.js", "data.js", "asking.js", "automaton.js", "playground.js")
+_SCRIPTS = ("page.js", "data.js", "asking.js", "playground.js")
 
 
 def playground(program: Program = "let_go", port: Port = 0, open_page: Open = True) -> None:
@@ -82,7 +82,7 @@ class PlaygroundRequests:
         self._process: subprocess.Popen[str] | None = None
 
     def __call__(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return diagnostics and automaton of a program, or the output of its run.
+        """Return diagnostics of a program and a picture of its steps, or the output of its run.
 
         Args:
             request: ``text`` of the program, and ``seed`` for a run.
@@ -103,9 +103,9 @@ class PlaygroundRequests:
 
     def _check(self, file: Path) -> Mapping[str, Any]:
         report = json.loads(self.output(_CHECK, "validate", "--json", str(file)))
-        shown = "" if report["errors"] else self.output(_CHECK, "show", "program", file, "--json")
-        automaton = json.loads(shown)["automaton"] if shown.startswith("{") else None
-        return {"findings": report["findings"], "automaton": automaton}
+        words = ("show", "program", file, "--format", "svg")
+        steps = "" if report["errors"] else self.output(_CHECK, *words)
+        return {"findings": report["findings"], "steps": steps}
 
     def _run(self, file: Path, seed: int) -> Mapping[str, Any]:
         words = ("run", str(file), "--backend", "kinematic", "--seed", str(seed))

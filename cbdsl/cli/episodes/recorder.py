@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from cbdsl.runtime.recording_folder import RecordingFolder
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
+    from cbdsl.reporting.automaton_text import AutomatonData
     from cbdsl.runtime.episode_result import EpisodeResult
     from cbdsl.runtime.recording import Recording
 
@@ -50,6 +52,12 @@ class Recorder:
         with self._named_problems():
             self._folder.require_ready(seeds)
 
+    @cached_property
+    def _automata(self) -> Mapping[str, AutomatonData]:
+        from cbdsl.reporting.automaton_text import automata
+
+        return automata(self._request.program)
+
     @contextmanager
     def episode(self, seed: int, ended: Sequence[EpisodeResult]) -> Iterator[Recording]:
         """Yield the recording of an episode, locked against other processes.
@@ -70,7 +78,9 @@ class Recorder:
         # The backend's ground truth is only in the recording, for display.
         scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
         source = str(request.program_file.resolve()), request.digest.sha256
-        recording = Recording(request.program, request.robot, request.urdf, scenery, source)
+        recording = Recording(
+            request.program, request.robot, request.urdf, scenery, source, self._automata
+        )
         # The inner context names problems of the claim alone; errors of the episode keep their
         # words.
         with ExitStack() as claimed:

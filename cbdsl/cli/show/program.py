@@ -12,9 +12,9 @@ from cbdsl.cli.arguments.options import Robot, ShownProgram
 from cbdsl.cli.output.terminal import print_json
 from cbdsl.cli.show.formats import Format, Json, drawing, read_format
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
-from cbdsl.reporting.drawing.program_graph import program_graph
+from cbdsl.reporting.automaton_text import automata, automaton_data
+from cbdsl.reporting.drawing.automaton_graph import automaton_graph
 from cbdsl.reporting.text.program_text import (
-    automaton_data,
     casts_text,
     claims,
     program_text,
@@ -33,7 +33,7 @@ FormatOption = Annotated[
     str,
     typer.Option(
         "--format",
-        help="Output format: text or json; dot, mermaid or svg for a graph of the states.",
+        help="Output format: text or json; dot, mermaid or svg for a graph of the steps.",
     ),
 ]
 
@@ -48,7 +48,7 @@ def show_program(
     """Show a program with all names, casts and parameters resolved.
 
     The text has the controllers with their casts, the levels and free directions of each action,
-    possible rewards, and the policy. The formats dot, mermaid and svg draw a graph.
+    possible rewards, and the policy. The formats dot, mermaid and svg draw its steps.
     """
     form = read_format(format_, as_json)
     program = check_program(name, read_assignments(with_, robot=robot))
@@ -57,7 +57,7 @@ def show_program(
     elif form is Format.TEXT:
         print(program_text(program), end="")
     else:
-        print(drawing(program_graph(program), form), end="")
+        print(drawing(automaton_graph(program.name, automata(program)), form), end="")
 
 
 def program_data(program: CheckedProgram) -> dict[str, object]:

@@ -54,8 +54,10 @@ function showEdit(told) {
 // What happens when a transition is told, in the order of time, the newest on top.
 function showTransition(told) {
   const reward = told.reward ? `  ★ ${told.reward}` : "";
-  const text = `${told.time.toFixed(2)} s  ${told.program}  ${told.state} → ${told.next_state}  ${told.action}${reward}`;
-  byId("transitions").prepend(lineOf(text, told.reward ? "rewarded" : told.depth ? "inner" : ""));
+  const text = `${told.time.toFixed(2)} s  ${told.program}  ${told.words || told.action}${reward}`;
+  const line = lineOf(text, told.reward ? "rewarded" : told.depth ? "inner" : "");
+  line.title = `${told.state} → ${told.next_state}`;
+  byId("transitions").prepend(line);
 }
 
 function makeTransport(askFor, refused) {
@@ -105,7 +107,7 @@ async function main() {
   }
   const chart = makeLiveChart(byId("charts"), "Potentials φ, logarithmic", 210, (v) => power(10 ** v));
   const breakpoints = makeBreakpoints(askFor, refused), past = makePast(askFor, refused, draw);
-  let members = [], newest = null, isOver = false;
+  let members = [], newest = null, isOver = false, drawn = {}, steps = null;
 
   function show() {
     const frame = newest;
@@ -118,13 +120,20 @@ async function main() {
 
   // One state of the episode: the newest one, or an earlier one.
   function draw(frame) {
-    byId("step-now").textContent = frame.steps.join(" › ");
+    const running = frame.stack ? [] : frame.running.map((each) => ({ ...each, value: (member) => each.values[member] ?? "" }));
+    byId("step-now").textContent = running.map((each) => stepOf(drawn[each.program], each.action)?.step ?? each.action).join(" › ");
+    steps?.show(running);
     targets?.show(frame.targets);
     world?.show(frame);
     stack.show(frame);
     composer?.show(frame);
     showState(members, frame);
     document.body.dataset.time = frame.time;
+  }
+
+  function follow(told) {
+    drawn = told.steps;
+    steps = makeSteps(byId("running"), drawn);
   }
 
   const tells = {
@@ -134,6 +143,7 @@ async function main() {
       members = told.members[told.program];
       breakpoints.begin(told);
       past.clear();
+      follow(told);
       tellEnding(null);
       byId("transitions").replaceChildren();
       byId("episodes").replaceChildren(...told.past.map(episodeLine).reverse());
@@ -144,6 +154,7 @@ async function main() {
       byId("program").textContent = document.title = told.program;
       members = told.members[told.program];
       breakpoints.begin(told);
+      follow(told);
       world?.setPoints(told.points);
       byId("transitions").prepend(lineOf(told.text, "edit"));
     },

@@ -14,7 +14,7 @@ async function play() {
     field.setSelectionRange(before + column - 1, before + (end ?? column + 1) - 1);
   }
 
-  function show({ findings, automaton }) {
+  function show({ findings, steps }) {
     byId("findings").replaceChildren(...findings.map((finding) => {
       const words = `${finding.place.line}:${finding.place.column} ${finding.code} ${finding.message}`;
       const button = make("button", { type: "button", textContent: words, className: finding.severity });
@@ -24,7 +24,8 @@ async function play() {
     const errors = findings.filter((finding) => finding.severity === "error").length;
     byId("state").textContent = errors ? `${errors} errors` : "no errors";
     byId("run").disabled = errors > 0;
-    drawAutomaton(byId("automaton"), automaton);
+    const drawn = new DOMParser().parseFromString(steps, "image/svg+xml").documentElement;
+    byId("automaton").replaceChildren(...(drawn.tagName === "svg" ? [drawn] : []));
   }
 
   async function check() {

@@ -77,6 +77,59 @@ function makeLevels(data) {
   };
 }
 
+// The programs that run at a time, outer ones first, each with the action that it takes then.
+function makeRunning(data) {
+  const spans = new Map();
+  for (const each of data.transitions) {
+    const passed = spans.get(each.use ?? "") ?? [], before = passed.at(-1);
+    const begin = beginOf(each, before?.made);
+    passed.push({ made: each, begin, stuck: before && before.made.time === begin ? before.made.stuck ?? [] : [] });
+    spans.set(each.use ?? "", passed);
+  }
+  const uses = [...spans].sort(([, a], [, b]) => a[0].made.depth - b[0].made.depth);
+  return (t, tick) => uses.flatMap(([use, passed]) => {
+    const now = passed.find(({ made, begin }) => begin <= t + 1e-9 && t < made.time - 1e-9);
+    if (!now) return [];
+    const { program, action, state } = now.made;
+    return [{ program, use, action, state, stuck: now.stuck, value: (member) => valueOf(data, program, use, member, tick) }];
+  });
+}
+
+// How far a controller is from its target, or the signals that a condition compares.
+function valueOf(data, program, use, member, tick) {
+  const automaton = data.steps[program], compared = automaton.compared[member];
+  if (compared) {
+    return compared.map(([name, axis]) => {
+      const values = data.arrays[`signal_${name}`];
+      return `${name} ${values ? numberText(row(values, tick)[axis]) : "–"}`;
+    }).join(", ");
+  }
+  const prefix = use ? `${use}.` : "", inner = Object.keys(automaton.kinds);
+  const lead = Object.keys(data.leads).find((name) => data.leads[name] === member && name.startsWith(prefix)
+    && !inner.some((each) => name.startsWith(`${prefix}${each}.`)));
+  const error = lead && data.arrays.errors ? row(data.arrays.errors, tick)[data.controllers.indexOf(lead)] : NaN;
+  return Number.isFinite(error) ? `${numberText(error)} ${data.triples[lead].unit ?? ""}`.trim() : "";
+}
+
+// The transitions in words; the last one that has happened is marked.
+function makeTold({ transitions }) {
+  const items = transitions.map((each) => {
+    const item = document.createElement("li"), moment = document.createElement("a");
+    Object.assign(moment, { href: `#t=${each.time}`, textContent: `${each.time.toFixed(2)} s` });
+    item.className = each.depth ? "inner" : "";
+    item.append(moment, `  ${titleOf(each)}  ${each.words || each.action}${each.reward ? `  ★ ${each.reward}` : ""}`);
+    item.title = `${each.state} → ${each.next_state}`;
+    return item;
+  });
+  byId("transitions").replaceChildren(...items);
+  return (t) => {
+    const last = transitions.findLastIndex((each) => each.time <= t + 1e-9);
+    items.forEach((item, index) => item.classList.toggle("now", index === last));
+    const list = byId("transitions");
+    if (last >= 0) list.scrollTop = items[last].offsetTop - list.offsetTop - list.clientHeight / 2;
+  };
+}
+
 async function main() {
   const data = await readData();
   const times = data.arrays.time, last = times[times.length - 1];
@@ -145,7 +198,8 @@ async function main() {
     tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
   }
   const timeline = makeTimeline(data, seek);
-  listeners.push(makeCameras(data), makeLevels(data), timeline.show);
+  const steps = makeSteps(byId("running"), data.steps), running = makeRunning(data);
+  listeners.push(makeCameras(data), makeLevels(data), timeline.show, makeTold(data), (t, tick) => steps.show(running(t, tick)));
   const openHere = () => seek(Number(new URLSearchParams(location.hash.slice(1)).get("t")) || times[0]);
   addEventListener("hashchange", openHere);
   openHere();

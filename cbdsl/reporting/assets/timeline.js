@@ -90,7 +90,8 @@ function makeStrip(data, parent) {
     const actions = addRow(parent, use, `action program`), spans = [];
     for (const [index, each] of passed.entries()) {
       const begin = beginOf(each, passed[index - 1]);
-      actions.add(begin, each.time, each.action, `${each.action}: ${each.state} → ${each.next_state} at ${each.time.toFixed(2)} s`);
+      const step = stepOf(data.steps[each.program], each.action)?.step ?? each.action;
+      actions.add(begin, each.time, step, `${each.words || each.action}: ${each.state} → ${each.next_state} at ${each.time.toFixed(2)} s`);
       spans.push([begin, each.time, each.state]);
       if (each.reward) actions.add(each.time, each.time, "★", `reward ${each.reward}`, "star");
     }

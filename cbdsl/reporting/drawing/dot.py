@@ -34,7 +34,7 @@ def _cluster(graph: Graph, key: str) -> Iterator[str]:
             yield f"  {keys[node.key]}_start [shape=point width=0.1]"
             yield f"  {keys[node.key]}_start -> {keys[node.key]}"
     for edge in graph.edges:
-        look = f"label={_quoted(edge.label)} penwidth={0.8 + 2.2 * edge.weight:.1f}"
+        look = f"label={_quoted(*edge.label.splitlines())} penwidth={0.8 + 2.2 * edge.weight:.1f}"
         # Without `constraint=false`, the edge would count in the ranking of nodes, like a further
         # step forwards.
         look += " style=dashed constraint=false" if edge.back else ""

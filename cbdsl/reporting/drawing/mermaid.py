@@ -51,7 +51,7 @@ def _node(node: Vertex, key: str) -> Iterator[str]:
 def _arrow(edge: Edge) -> str:
     if edge.back:
         return "-.->"
-    return f"-->|{_quoted(edge.label)}|" if edge.label else "-->"
+    return f"-->|{_quoted(*edge.label.splitlines())}|" if edge.label else "-->"
 
 
 def _quoted(*lines: str) -> str:

@@ -57,6 +57,8 @@ _DOWN = Spacing(across=26, down=62, lane=30)
 _ACROSS = Spacing(across=12, down=56, lane=14)
 _START = 26
 _HEAD = 9.0
+# Height of a line of a label, px.
+_LABEL = SMALL + 2
 #: Distance between a node and its second frame, px.
 _RIM = 4
 #: Heights of lines with other than the standard height, by kind, px.
@@ -80,6 +82,7 @@ _STYLE = f"""
   .graph .unused-node {{ fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }}
   .graph .ending {{ fill: none; stroke: #8a94a0; }}
   .graph .ending.rewarded {{ stroke: #1a7f37; stroke-width: 2; }}
+  .graph .now > rect {{ fill: #ffd54a; stroke: #7a5b00; stroke-width: 3; }}
   .graph .arc {{ fill: none; stroke: #555; }}
   .graph .back {{ fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }}
   .graph .tip {{ fill: #555; }}
@@ -92,11 +95,12 @@ class _Label(NamedTuple):
     x: float
     y: float
     width: float
+    height: float
 
     def meets(self, other: _Label) -> bool:
         """Return whether two labels overlap."""
         near = abs(self.x - other.x) < (self.width + other.width) / 2
-        return near and abs(self.y - other.y) < SMALL + 2
+        return near and abs(self.y - other.y) < (self.height + other.height) / 2
 
 
 def svg(graph: Graph) -> str:
@@ -160,18 +164,24 @@ class _Panel:
         self._back = [edge for edge in graph.edges if edge.back]
         self._arcs = [e for e in graph.edges if not e.back and e.source != e.target]
         self._sizes = _sizes(graph, self._loops)
+        down = _spacing([edge.label for edge in self._arcs])
         self._layout = lay_out(
             self._sizes,
             [(edge.source, edge.target) for edge in self._arcs],
             [node.key for node in graph.nodes if node.started] or [graph.nodes[0].key],
-            _ACROSS if graph.across else _DOWN,
+            _ACROSS if graph.across else down,
             graph.across,
         )
         track = 2 * _MARGIN if self._back else 0
         started = _START if any(node.started for node in graph.nodes) else 0
         self._above = LINE + max(started, _MARGIN / 2)
-        self.width = max(self._layout.size.width + track, _NARROWEST, text_width(graph.title))
-        self.height = self._above + self._layout.size.height + 2 * _MARGIN + track / 2
+        # A label of several lines may reach beyond the nodes.
+        beside = 2 * _MARGIN if down.down > _DOWN.down else 0
+        self.width = max(
+            self._layout.size.width + track + beside, _NARROWEST, text_width(graph.title)
+        )
+        below = max(2 * _MARGIN, 0.7 * down.down)  # for arcs within the last row
+        self.height = self._above + self._layout.size.height + below + track / 2
 
     def lines(self, top: float, wide: float) -> Iterator[str]:
         """Yield the panel from ``top`` downwards, centred in a width, px."""
@@ -196,7 +206,8 @@ class _Panel:
         wide, tall = size.width - (2 * _LOOP if loop else 0), size.height
         outer, top = y - tall / 2, y - tall / 2 + rim
         link = None if node.inner is None else quoteattr(f"#{self._key(node.inner)}")
-        yield f"<a href={link}>" if link else f"<g><title>{escape(node.tooltip)}</title>"
+        kind = f"a href={link}" if link else "g"
+        yield f"<{kind} data-node={quoteattr(node.key)}><title>{escape(node.tooltip)}</title>"
         if rim:
             yield rectangle(node.frame, x - wide / 2, outer, wide, tall, 10)
         kind = "node" if node.shape is Outline.STATE else f"{node.shape}-node"
@@ -226,11 +237,15 @@ class _Panel:
             along, turned = (x2 - x1, 0) if self.graph.across else (y2 - y1, 90)
             yield _tip(points[-1], turned if along > 0 else turned - 180)
             if arc.label:
-                wide = text_width(arc.label, SMALL)
-                place = _label(points, wide, labels, self._layout, self._sizes)
+                lines = arc.label.splitlines()
+                size = Size(text_width(max(lines, key=len), SMALL), len(lines) * _LABEL)
+                place = _label(points, size, labels, self._layout, self._sizes)
                 labels.append(place)
         for arc, place in zip((arc for arc in self._arcs if arc.label), labels, strict=True):
-            yield _ground(place) + text(arc.label, place.x, place.y, "share")
+            yield _ground(place)
+            top = place.y - (place.height - _LABEL) / 2
+            for number, line in enumerate(arc.label.splitlines()):
+                yield text(line, place.x, top + number * _LABEL, "share")
 
     def _way_back(self) -> Iterator[str]:
         """Yield the edges back, on one track around the right side and the bottom."""
@@ -246,6 +261,12 @@ class _Panel:
         foot = y + sizes[self._back[0].target].height / 2
         around = f"M{right:.1f} {min(heights):.1f}V{bottom:.1f}H{x:.1f}V{foot + _HEAD:.1f}"
         yield f'<path class="back" d="{around}"/>' + _tip((x, foot), -90)
+
+
+def _spacing(labels: Sequence[str]) -> Spacing:
+    """Return the space between rows and their nodes, with room for labels of several lines."""
+    more = max((label.count("\n") for label in labels), default=0)
+    return Spacing(_DOWN.across + 6 * more, _DOWN.down + more * _LABEL, _DOWN.lane)
 
 
 def _sizes(graph: Graph, loops: dict[str, Edge]) -> dict[str, Size]:
@@ -299,7 +320,7 @@ def _looped(arc: Edge, x: float, y: float) -> Iterator[str]:
 
 
 def _ground(label: _Label) -> str:
-    wide, tall = label.width - 2, SMALL + 2
+    wide, tall = label.width - 2, label.height
     return rectangle("ground", label.x - wide / 2, label.y - tall / 2, wide, tall, 2)
 
 
@@ -350,19 +371,20 @@ def _on(bow: Sequence[Point], t: float) -> Point:
 
 def _label(
     points: Sequence[Point],
-    wide: float,
+    size: Size,
     taken: Sequence[_Label],
     layout: Layout,
     sizes: dict[str, Size],
 ) -> _Label:
     """Return a label near the first third of an arc that overlaps no other label and no node."""
     places = sorted(range(len(points)), key=lambda place: abs(place - len(points) // 3))
-    labels = [_Label(*points[place], wide) for place in places]
-    nodes = [(*layout.centers[key], *size) for key, size in sizes.items()]
+    labels = [_Label(*points[place], *size) for place in places]
+    nodes = [(*layout.centers[key], *own) for key, own in sizes.items()]
 
     def hidden(label: _Label) -> bool:
         return any(
-            abs(label.x - x) < (w + wide) / 2 and abs(label.y - y) < (h + SMALL) / 2 + 3
+            abs(label.x - x) < (w + label.width) / 2
+            and abs(label.y - y) < (h + label.height) / 2 + 2
             for x, y, w, h in nodes
         )
 

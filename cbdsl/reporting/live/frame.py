@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from base64 import b64encode
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import cv2
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.staging.world_state import WorldState
+from cbdsl.program.condition import ProgramCondition
 from cbdsl.reporting.thumbnails import encoded
 from cbdsl.runtime.explanation import Explanation, TickExplanation, named_runs
 from cbdsl.runtime.program_run import ProgramRun
@@ -42,7 +43,7 @@ def frame(
         "bodies": {} if world is None else {name: _pose(world, name) for name in world.names()},
         "state": run.state,
         "action": "" if run.action is None else run.action.name,
-        "steps": _steps(run),
+        "running": list(_running(run, tick)),
         "predicates": "".join(each.predicate for each in runs),
         "potentials": [_number(each.phi) for each in runs],
         "errors": [_number(each.error) for each in runs],
@@ -54,13 +55,40 @@ def frame(
     }
 
 
-def _steps(run: ProgramRun) -> list[str]:
-    """Return the step that runs, followed by those of the programs that it uses."""
-    if run.action is None:
-        return []
-    name, child = run.action.name, run.children.get(run.action.name)
-    inner = _steps(child) if child is not None and child.predicate == "0" else []
-    return [run.program.steps.get(name, name), *inner]
+def _running(run: ProgramRun, tick: Tick, use: str = "") -> Iterator[dict[str, object]]:
+    """Yield the program that runs, followed by those that it uses, each with its members' values.
+
+    A controller's value is its distance from its target, and a condition's are its signals.
+    """
+    action, program = run.action, run.program
+    if action is None:
+        return
+    values = {name: _compared(program.conditions[name], tick) for name in action.conditions}
+    parts = action.composition.primitives if action.composition else ()
+    for part, lead in zip(parts, reversed(run.leads(action)), strict=True):
+        known = math.isfinite(lead.error)
+        values[part.name] = f"{lead.error:.3g} {lead.controller.task.unit}" if known else ""
+    yield {
+        "program": program.name,
+        "use": use,
+        "action": action.name,
+        "state": run.state,
+        "stuck": run.stuck,
+        "values": values,
+    }
+    child = run.children.get(action.name)
+    if child is not None and child.predicate == "0":
+        yield from _running(child, tick, f"{use}.{action.name}" if use else action.name)
+
+
+def _compared(condition: ProgramCondition, tick: Tick) -> str:
+    """Return the signals that a condition compares, in SI."""
+    texts = []
+    for component in (each for sum_ in condition.comparisons for each in sum_.factors):
+        reading = tick.signals.read(component.resource)
+        shown = "–" if reading is None else f"{reading.value[component.axis]:.3g}"  # noqa: RUF001
+        texts.append(f"{component.resource.name} {shown}")
+    return ", ".join(dict.fromkeys(texts))
 
 
 def _levels(explained: TickExplanation, names: Sequence[str]) -> list[dict[str, object]]:

@@ -15,7 +15,7 @@ from cbdsl.robot.joints import Joints
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
             "scene.js", "viewpoints.js", "live_world.js", "live_chart.js", "live_stack.js",
-            "live_target.js", "live_composer.js", "live_catalog.js", "asking.js",
+            "live_target.js", "steps.js", "live_composer.js", "live_catalog.js", "asking.js",
             "live_breakpoints.js", "live_past.js", "live.js")  # fmt: skip
 _STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css", "live.css")
 

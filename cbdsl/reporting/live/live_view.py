@@ -10,11 +10,13 @@ from cbdsl.backends.staging.world_state import WorldState
 from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
+from cbdsl.reporting.automaton_text import AutomatonData, automata, transition_text
 from cbdsl.reporting.live.breakpoints import Breakpoints
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.frame import frame, images
 from cbdsl.reporting.live.page_message import Message, message
 from cbdsl.reporting.live.transport import Transport
+from cbdsl.reporting.page import drawn_steps
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import named_runs
@@ -64,6 +66,8 @@ class LiveView(EpisodeObserver):
         self._known: set[str] = set()
         self._shown = 0.0
         self._last: Tick | None = None
+        self._program: CheckedProgram | None = None
+        self._automata: dict[str, AutomatonData] = {}
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
         """Begin an episode; see ``EpisodeObserver.begin``."""
@@ -104,6 +108,9 @@ class LiveView(EpisodeObserver):
         """Note a transition; see ``EpisodeObserver.note_transition``."""
         run = None if self._last is None else self._last.run
         self._breakpoints.note_transition(transition, run)
+        # A learner may choose other steps than those that are written.
+        is_written = transition.depth or (run is not None and run.is_written)
+        automaton = self._automata.get(transition.program) if is_written else None
         content = {
             "program": transition.title,
             "depth": transition.depth,
@@ -112,6 +119,7 @@ class LiveView(EpisodeObserver):
             "action": transition.action,
             "next_state": transition.next_state,
             "reward": transition.reward,
+            "words": "" if automaton is None else transition_text(automaton, transition),
         }
         self._feed.append(message("transition", content))
 
@@ -131,11 +139,14 @@ class LiveView(EpisodeObserver):
         self._places = [each for each in resources if is_place(each)]
         self._names = []
         self._breakpoints.follow(program)
+        if program is not self._program:
+            self._program, self._automata = program, automata(program)
         return {
             "program": program.name,
             "members": members(program),
             "points": [each.name for each in self._places],
             "places": self._breakpoints.places,
+            "steps": drawn_steps(self._automata),
         }
 
     def note_tick(self, tick: Tick) -> None:

@@ -6,13 +6,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from textwrap import wrap
 from typing import Any
 
-from cbdsl.checking.rules.flow import automaton_of
 from cbdsl.diagnostics.counting import count
-from cbdsl.language.exit import when_text
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Reference, Relative
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
-from cbdsl.program.exit_list import with_short_exits
+from cbdsl.reporting.automaton_text import automaton_data, used_programs
 from cbdsl.types.casts import Chain
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
@@ -25,7 +23,7 @@ _COLUMN = 43
 
 def program_text(program: CheckedProgram) -> str:
     """Return a program as text, followed by each program that it uses."""
-    parts = ("\n".join(_program(inner)) for inner in _used(program, []))
+    parts = ("\n".join(_program(inner)) for inner in used_programs(program))
     return "\n\n".join(parts) + "\n"
 
 
@@ -44,34 +42,6 @@ def claims(program: CheckedProgram) -> dict[str, str]:
     if program.lost_time is not None:
         failure += f", or when an object is lost for {program.lost_time:g} s"
     return {"success": success, "failure": failure}
-
-
-def automaton_data(program: CheckedProgram) -> dict[str, Any] | None:
-    """Return the steps of a program with their exits; without steps, its actions are steps."""
-    automaton = automaton_of(program)
-    if automaton is None:
-        return None
-    names = {action: program.steps.get(action, action) for action in automaton.steps}
-    kinds = {action.name: "program" for action in program.actions if action.program is not None}
-    kinds |= dict.fromkeys(program.conditions, "condition")
-    return {
-        "start": names[automaton.start],
-        "steps": [
-            {
-                "step": names[step.action],
-                "action": step.action,
-                "exits": [
-                    {
-                        "when": when_text(step.members, box, step.values, kinds),
-                        "to": names[exit_.to.step] if exit_.to.step else str(exit_.to),
-                    }
-                    for exit_ in step.exits
-                    for box in exit_.boxes
-                ],
-            }
-            for step in map(with_short_exits, automaton.steps.values())
-        ],
-    }
 
 
 def reference_text(reference: Reference | None, unit: str) -> str:
@@ -102,15 +72,6 @@ def _chain_text(chain: Chain, first: str, last: str) -> str:
     between = [cast.target for cast in chain[:-1]] + [last] * bool(chain)
     steps = [word for pair in zip(chain, between, strict=True) for word in pair]
     return " → ".join(map(str, (first, *steps)))
-
-
-def _used(program: CheckedProgram, seen: list[CheckedProgram]) -> list[CheckedProgram]:
-    if program not in seen:
-        seen.append(program)
-        for action in program.actions:
-            if action.program is not None:
-                _used(action.program, seen)
-    return seen
 
 
 def _program(program: CheckedProgram) -> Iterator[str]:

@@ -36,11 +36,11 @@ def server(requests: PlaygroundRequests) -> Iterator[LiveServer]:
     made.close()
 
 
-def test_check_returns_findings_and_the_automaton(requests: PlaygroundRequests) -> None:
+def test_check_returns_findings_and_a_picture_of_the_steps(requests: PlaygroundRequests) -> None:
     right = requests({"text": LET_GO})
-    assert right["findings"] == [] and right["automaton"]["start"] == "open"
+    assert right["findings"] == [] and 'data-node="open"' in right["steps"]
     wrong = requests({"text": WRONG})
-    assert wrong["automaton"] is None
+    assert wrong["steps"] == ""
     assert (
         "dexter" in wrong["findings"][0]["allowed"] or wrong["findings"][0]["nearest"] == "dexter"
     )
@@ -52,13 +52,13 @@ def test_check_ignores_warnings_of_its_commands(
     warns = "import sys; print('warning: a plug-in', file=sys.stderr); "
     python, option, command = playground._CB
     monkeypatch.setattr(playground, "_CB", (python, option, warns + command))
-    assert requests({"text": LET_GO})["automaton"]["start"] == "open"
+    assert 'data-node="open"' in requests({"text": LET_GO})["steps"]
 
 
 @pytest.mark.parametrize("text", ["", "name: ../x", "\ud800", "a: [" * 2000, "name: let_go\n" * 3])
 def test_check_of_any_text_returns_findings(text: str, requests: PlaygroundRequests) -> None:
     answer = requests({"text": text})
-    assert answer["findings"] and answer["automaton"] is None
+    assert answer["findings"] and answer["steps"] == ""
 
 
 def test_run_returns_the_output_and_leaves_no_file(
@@ -95,7 +95,7 @@ def test_page_checks_draws_and_runs_in_a_browser(server: LiveServer) -> None:
     checked = "document.getElementById('state').textContent.includes('errors')"
     with browser() as page:
         page.visit(server.url, 1400, 1000, checked)
-        steps = "[...document.querySelectorAll('#automaton [data-step]')].map(e => e.dataset.step)"
+        steps = "[...document.querySelectorAll('#automaton [data-node]')].map(e => e.dataset.node)"
         assert page.value(steps) == ["open", "away", "back", "succeed"]
         page.value(
             "{const t = document.getElementById('text');"

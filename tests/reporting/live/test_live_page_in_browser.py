@@ -207,6 +207,9 @@ def mouse(shown: Page, kind: str, x: float, y: float) -> None:
 def test_page_shows_an_edit_with_its_findings_and_the_running_step(run: Run, shown: Page) -> None:
     run.step(3, shown)
     assert shown.text("step-now").startswith("searchtrack")
+    lit = "[...document.querySelectorAll('#running .now')].map(e => e.dataset.node)"
+    assert shown.value(lit)[0] == "searchtrack"
+    assert "searchtrack running" in shown.text("running")
     finding = "own.yaml:3:1: CB201 unknown key 'stpes'"
     report = {"text": "the edit has 1 error", "findings": [finding]}
     run.transport.ask(lambda: run.view.keep(message("watch", report)))
