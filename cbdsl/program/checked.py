@@ -121,7 +121,7 @@ class CheckedProgram(NamedTuple):
             ``None`` for no limit.
         looks: Programs that define features of its schema, by name of the feature, in order of
             execution.
-        automaton: Its steps as written; ``None`` for a policy over patterns of states.
+        automaton: Automaton of its written steps; ``None`` for a policy over patterns of states.
         conditions: Conditions by name, which are members, too, behind all others.
     """
 

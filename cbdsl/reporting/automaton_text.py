@@ -26,17 +26,17 @@ def automata(program: CheckedProgram, *, is_short: bool = True) -> dict[str, Aut
         is_short: True for short lists of exits, which take longer to find.
     """
     named = {each.name: each for each in used_programs(program) if not each.is_learned}
-    found = {name: automaton_data(each, is_short=is_short) for name, each in named.items()}
-    return {name: data for name, data in found.items() if data is not None}
+    pairs = ((name, automaton_data(each, is_short=is_short)) for name, each in named.items())
+    return {name: data for name, data in pairs if data is not None}
 
 
 def used_programs(program: CheckedProgram) -> list[CheckedProgram]:
     """Return a program and all programs that it uses, each once."""
-    found = [program]
+    programs = [program]
     for action in program.actions:
         inner = [] if action.program is None else used_programs(action.program)
-        found += [each for each in inner if each not in found]
-    return found
+        programs += [each for each in inner if each not in programs]
+    return programs
 
 
 def automaton_data(program: CheckedProgram, *, is_short: bool = True) -> dict[str, Any] | None:

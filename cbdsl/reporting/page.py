@@ -46,7 +46,7 @@ def _data(recorded: Recorded) -> str:
         "holders": [*summary["controllers"], *HOLDERS],
         "triples": summary["triples"],
         "members": summary["members"],
-        "transitions": [_told(each, automata) for each in summary["transitions"]],
+        "transitions": [_with_words(each, automata) for each in summary["transitions"]],
         "steps": drawn_steps(automata),
         "leads": summary.get("leads", {}),
         "predicates": summary["predicates"],
@@ -87,8 +87,10 @@ def drawn_steps(automata: Mapping[str, AutomatonData]) -> dict[str, object]:
     }
 
 
-def _told(recorded: Mapping[str, Any], automata: Mapping[str, AutomatonData]) -> dict[str, object]:
-    """Return a recorded transition with its words; they are empty if nothing tells its steps."""
+def _with_words(
+    recorded: Mapping[str, Any], automata: Mapping[str, AutomatonData]
+) -> dict[str, object]:
+    """Return a recorded transition with its words, which are empty without an automaton."""
     automaton = automata.get(recorded["program"])
     words = automaton and transition_text(automaton, Transition(**recorded))
     return {**recorded, "words": words or ""}

@@ -35,8 +35,8 @@ class Narration(EpisodeObserver):
 
     def _add(self, program: CheckedProgram) -> None:
         names = {each.name for each in used_programs(program) if each.steps}
-        found = automata(program, is_short=False).items()
-        self._automata |= {name: each for name, each in found if name in names}
+        items = automata(program, is_short=False).items()
+        self._automata |= {name: each for name, each in items if name in names}
 
     def note_transition(self, transition: Transition) -> None:
         """Print a transition, indented by how deep its program is used."""

@@ -56,7 +56,7 @@ def frame(
 
 
 def _running(run: ProgramRun, tick: Tick, use: str = "") -> Iterator[dict[str, object]]:
-    """Yield the program that runs, followed by those that it uses, each with its members' values.
+    """Yield the running program and the running programs that it uses, with members' values.
 
     A controller's value is its distance from its target, and a condition's are its signals.
     """

@@ -108,7 +108,7 @@ class LiveView(EpisodeObserver):
         """Note a transition; see ``EpisodeObserver.note_transition``."""
         run = None if self._last is None else self._last.run
         self._breakpoints.note_transition(transition, run)
-        # A learner may choose other steps than those that are written.
+        # A learner may choose other steps than the written policy.
         is_written = transition.depth or (run is not None and run.is_written)
         automaton = self._automata.get(transition.program) if is_written else None
         content = {
