@@ -1,4 +1,4 @@
-"""``cb compare``: paired episodes of two programs, policies or robots."""
+"""``cb compare``: paired episodes of two programs, policies, robots or revisions of documents."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ from cbdsl.extend.command import (
 )
 from cbdsl_compare.comparison import EpisodePair, ProgramComparison
 from cbdsl_compare.comparison import compare as compare_programs
+from cbdsl_compare.revision import written_revision
 
-_SIDE = "Program, with options behind commas, such as reach,stage=absent or take,policy=FILE."
+_SIDE = "PROGRAM or PROGRAM@REVISION, with options behind commas: reach@HEAD~1,stage=absent."
 First = Annotated[str, typer.Argument(metavar="A", help=_SIDE)]
 Second = Annotated[str, typer.Argument(metavar="B", help="The program to compare with it.")]
 Seeds = Annotated[str, typer.Option("--seeds", help="First and last seed.")]
@@ -49,27 +50,30 @@ def compare(
     as_json: Json = False,
     markdown: Markdown = False,
 ) -> None:
-    """Compare the success rates of two programs, policies or robots with the same seeds.
+    """Compare the success rates of two programs, policies, robots or revisions, seed by seed.
 
-    A and B are programs, each with its own stage, policy, schema, backend and parameters. The
+    A and B are programs, each with its own stage, policy, schema, backend and parameters.
+    PROGRAM@REVISION takes the program and all its documents from a git revision, and runs them with
+    the installed code, such as reach@HEAD~1. The
     interval of 95 % holds at all numbers of pairs. The comparison ends when it is decided, or when
     the remaining seeds cannot decide it. The first seed with one success is explained as by cb why.
 
     Exit 0, or 3 if B is decidedly worse. Exit 1 if a document has errors, and 2 if a program cannot
     run.
     """
-    sides = [_read(text) for text in (first, second)]
-    compared = compare_programs(
-        sides[0][0],
-        sides[1][0],
-        seeds=_range(seeds),
-        backends=(sides[0][1], sides[1][1]),
-        cameras=cameras,
-        stops_early=not every,
-        on_pair=None if as_json or markdown else _print,
-    )
     names = (first, second)
-    why = _why(compared, sides, cameras)
+    with TemporaryDirectory() as a, TemporaryDirectory() as b:
+        sides = [_read(text, Path(folder)) for text, folder in zip(names, (a, b), strict=True)]
+        compared = compare_programs(
+            sides[0][0],
+            sides[1][0],
+            seeds=_range(seeds),
+            backends=(sides[0][1], sides[1][1]),
+            cameras=cameras,
+            stops_early=not every,
+            on_pair=None if as_json or markdown else _print,
+        )
+        why = _why(compared, sides, cameras)
     if as_json:
         print(json.dumps(_row(compared, names, why), ensure_ascii=False))
     elif markdown:
@@ -80,12 +84,14 @@ def compare(
         raise typer.Exit(_WORSE)
 
 
-def _read(text: str) -> tuple[RunRequest, str | None]:
-    """Return the request and the backend of a side."""
-    program, *words = text.split(",")
-    values = read_assignments(words, option=program)
+def _read(text: str, target: Path) -> tuple[RunRequest, str | None]:
+    """Return the request and the backend of a side; a folder receives its revision, if any."""
+    written, *words = text.split(",")
+    program, folder = written_revision(written, target)
+    values = read_assignments(words, option=written)
     stage, policy, schema, backend = (values.pop(name, None) for name in _OPTIONS)
-    return load(program, stage=stage, policy=policy, schema=schema, values=values), backend
+    options = {"stage": stage, "policy": policy, "schema": schema}
+    return load(program, **options, values=values, folder=folder), backend
 
 
 def _range(seeds: str) -> range:

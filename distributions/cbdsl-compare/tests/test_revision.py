@@ -1,0 +1,70 @@
+"""``PROGRAM@REVISION``: documents of a git revision, with reasons where there are none."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cbdsl_compare.revision import written_revision
+from cbdsl import UsageError
+
+_PERSON = ("-c", "user.name=a", "-c", "user.email=a@b")
+
+
+def git(folder: Path, *words: str) -> None:
+    subprocess.run(["git", "-C", folder, *_PERSON, *words], check=True, capture_output=True)
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    """Repository of two revisions of a program in a folder, and a temporary state."""
+    folder = tmp_path / "repository" / "lab"
+    (folder / "programs").mkdir(parents=True)
+    git(folder.parent, "init", "-q")
+    for text in ("first", "second"):
+        (folder / "programs" / "own.yaml").write_text(text, "utf-8")
+        git(folder, "add", ".")
+        git(folder, "commit", "-q", "-m", text)
+    (folder / "programs" / "own.yaml").write_text("third", "utf-8")
+    return folder
+
+
+def test_name_at_a_revision_is_found_in_its_folder(
+    repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(repository)
+    name, folder = written_revision("own@HEAD~1", tmp_path / "target")
+    assert name == "own"
+    assert folder is not None
+    assert (folder / "programs" / "own.yaml").read_text("utf-8") == "first"
+    assert (repository / "programs" / "own.yaml").read_text("utf-8") == "third"
+
+
+def test_file_at_a_revision_is_the_file_of_that_revision(repository: Path, tmp_path: Path) -> None:
+    file, _ = written_revision(f"{repository}/programs/own.yaml@HEAD", tmp_path / "target")
+    assert Path(file).read_text("utf-8") == "second"
+
+
+def test_program_without_a_revision_stays(tmp_path: Path) -> None:
+    assert written_revision("reach", tmp_path) == ("reach", None)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("revision", ["nonsense", "", "--help", "HEAD:lab"])
+def test_unknown_revision_is_refused_with_its_name(
+    revision: str, repository: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(repository)
+    with pytest.raises(UsageError, match=f"own@{revision}: "):
+        written_revision(f"own@{revision}", tmp_path / "target")
+
+
+def test_folder_outside_of_a_repository_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    with pytest.raises(UsageError, match="own@HEAD: not a git repository"):
+        written_revision("own@HEAD", tmp_path / "target")
