@@ -1,18 +1,26 @@
-"""Patches of programs: single changes of numbers, tried on the seed of a failure and on others."""
+"""Patches: single changes of programs and stages, tried on the seed of a failure and on others."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from cbdsl.api.open_robot import open_robot
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.failures.structural_patches import (
+    ALLOCATION,
+    EXITS,
+    Patch,
+    PatchedText,
+    changed_allocations,
+    changed_exits,
+)
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.legible_text import encoded
-from cbdsl.diagnostics.lines import lines_of
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.editor.fixes import Fix, replaced
+from cbdsl.documents.stage import StageDocument
 from cbdsl.storage.atomic_file import write_text
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import is_of, shipped
@@ -20,6 +28,8 @@ from cbdsl.yaml_text.library import is_of, shipped
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.cli.run import RunOptions
+    from cbdsl.reporting.why.diagnosis import Diagnosis
+    from cbdsl.reporting.why.history import History
     from cbdsl.yaml_text.node import Node
 
 # Largest numbers of changes that are tried, on the seed of the failure and on fresh seeds.
@@ -37,41 +47,31 @@ _FACTORS = {
     "height": (2.0,),
     "clearance": (0.5,),
 }
-# Keys that are tried first, by kind of cause.
+# Numbers of stages, whose change makes another world.
+_OF_STAGES = {"mass": (0.5,), "friction": (2.0,)}
+# Keys and families that are tried first, by kind of cause.
 _FIRST = {
     "slip": ("reference", "acceleration", "speed"),
     "no_grasp": ("reference", "window", "speed"),
     "time": ("transition_time", "episode_time", "transitions", "speed"),
     "guard": (*_LOADS, "clearance"),
     "lost": ("lost_time", "speed"),
+    **dict.fromkeys(("out_of_reach", "stuck", "limit"), (ALLOCATION,)),
+    **dict.fromkeys(("stated", "cycle", "no_action", "wrong_order"), (EXITS, ALLOCATION)),
 }
 _NUMBER = re.compile(r"\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 
 
-class Patch(NamedTuple):
-    """Change of one number of a document: file, line, path of keys, and value before and after."""
-
-    file: Path
-    line: int
-    keys: tuple[str | int, ...]
-    before: str
-    after: str
-    text: str
-
-    def __str__(self) -> str:
-        keys = ".".join(map(str, self.keys))
-        return f"{self.file}:{self.line} {keys}: {self.before} -> {self.after}"
-
-
 def patched(
-    program: str, options: RunOptions, row: Mapping[str, Any], *, apply: bool
+    program: str, options: RunOptions, history: History, diagnosis: Diagnosis, *, apply: bool
 ) -> dict[str, Any]:
     """Try changes on the seed of a failure, with the same world and noise, and then on others.
 
     Args:
         program: Program that failed: file or name.
         options: Options of its run.
-        row: Diagnosis of the failure.
+        history: History of the failed episode.
+        diagnosis: Diagnosis of the episode.
         apply: True to write the best change to its document.
 
     Returns:
@@ -80,7 +80,7 @@ def patched(
     Raises:
         UsageError: The document to be changed is shipped with the package.
     """
-    request, seed = options.request(program), row["seed"]
+    request, seed = options.request(program), history.result["seed"]
     tried, before, helped = 0, -1, list[tuple[int, Patch]]()
     with open_robot(request, backend=options.backend, cameras=options.cameras) as robot:
 
@@ -89,7 +89,9 @@ def patched(
             return sum(same.run(seed, context=options.context).succeeded for seed in seeds)
 
         fresh = [seed + later for later in _FRESH]
-        for patch in patches(request, "" if row["cause"] is None else row["cause"]["kind"]):
+        kind = "" if diagnosis.cause is None else diagnosis.cause.kind
+        given = read_assignments(options.with_)
+        for patch in patches(request, kind, history.result["actions"], given):
             try:
                 changed = options.request(program, {patch.file: encoded(patch.text)})
             except (DiagnosticsError, UsageError):
@@ -112,30 +114,55 @@ def patched(
     return {"tried": tried, "patch": {"edit": str(best), "applied": apply, **rates}}
 
 
-def patches(request: RunRequest, kind: str) -> list[Patch]:
-    """Return the changes that may help against a kind of cause, the likeliest first."""
+def patches(
+    request: RunRequest, kind: str, actions: Sequence[str] = (), given: Collection[str] = ()
+) -> list[Patch]:
+    """Return changes that may help against a kind of cause, in the order of their trials.
+
+    Args:
+        request: Request of the failed run.
+        kind: Kind of the first cause; empty for an unknown one.
+        actions: Actions of the failed episode, in order; exits of the last ones come first.
+        given: Parameters with values of the command line, whose defaults do not count.
+    """
     library, made = request.library, list[Patch]()
+    recent = [request.program.steps.get(action, action) for action in reversed(actions)]
     for file in library.files:
-        if is_of(ProgramDocument, file):
+        is_stage = is_of(StageDocument, file)
+        if is_stage or is_of(ProgramDocument, file):
             text = library.text(file)
-            made += _of_node(file, text, compose(text, str(file)).root, ())
-    order: dict[str | int, int] = {key: place for place, key in enumerate(_FIRST.get(kind, ()))}
-    return sorted(made, key=lambda each: order.get(each.keys[-1], len(order)))
+            whole = PatchedText(file, text, compose(text, str(file)).root)
+            made += _numbers(whole, whole.root, (), _OF_STAGES if is_stage else _FACTORS)
+            made += () if is_stage else changed_exits(whole, recent)
+            if library.real(file) == library.real(request.program_file):
+                made += changed_allocations(whole, request.robot, given)
+    order: dict[str, int] = {key: place for place, key in enumerate(_FIRST.get(kind, ()))}
+    # Families take turns, so that no family uses up all trials; the world changes last.
+    counts, turns = Counter[str](), list[tuple[int, bool, int, Patch]]()
+    for patch in made:
+        family = patch.family
+        turns.append((order.get(family, len(order)), family in _OF_STAGES, counts[family], patch))
+        counts[family] += 1
+    return [turn[-1] for turn in sorted(turns, key=lambda turn: turn[:-1])]
 
 
-def _of_node(file: Path, text: str, node: Node, keys: tuple[str | int, ...]) -> Iterator[Patch]:
+def _numbers(
+    whole: PatchedText,
+    node: Node,
+    keys: tuple[str | int, ...],
+    factors: Mapping[str, Sequence[float]],
+) -> Iterator[Patch]:
     """Yield the changes of the numbers of a value of a document."""
     for step, child in node.steps():
-        yield from _of_node(file, text, child, (*keys, step))
+        yield from _numbers(whole, child, (*keys, step), factors)
     place, key = node.place, str(keys[-1]) if keys else ""
-    if isinstance(node.value, dict | list) or key not in _FACTORS or not place.end_column:
+    if isinstance(node.value, dict | list) or key not in factors or not place.end_column:
         return
-    written = lines_of(text)[place.line - 1][place.column - 1 : place.end_column - 1]
+    written = whole.written(node)
     number = _NUMBER.match(written)
     # A force along normals is no goal of a motion, unlike a place.
     if number is None or (key == "reference" and " along " not in written):
         return
-    for factor in _FACTORS[key]:
+    for factor in factors[key]:
         after = f"{float(number[0]) * factor:.4g}{written[number.end() :]}"
-        changed = replaced(text, [Fix(place.line, place.column, place.end_column, after)])
-        yield Patch(file, place.line, keys, written, after, changed)
+        yield whole.patch(key, keys, [(node, after)])

@@ -38,7 +38,7 @@ Try = Annotated[
     bool,
     typer.Option(
         "--try",
-        help="Program: try changes of its numbers on the failed seed, and then on five others.",
+        help="Program: try single changes of it on the failed seed, and then on five others.",
     ),
 ]
 Apply = Annotated[
@@ -62,9 +62,10 @@ def why(
     The cause rests on the predicates, levels and signals of the recording; the truth of a
     simulation is not read. If no cause is known, the causes that are ruled out are printed.
     A program runs first, with the options of cb run; a recording needs none of them.
-    With --try, single changes of speeds, forces, gains, windows, guards and limits run on the same
-    seed, with the same world and noise. A change is printed if it raises the rate of success on
-    five fresh seeds. Goals and tolerances stay.
+    With --try, single changes run on the same seed, with the same noise: of speeds, forces, gains,
+    windows, guards, limits, exits and effectors, and last of masses and friction of the stage. A
+    change is printed if it raises the rate of success on five fresh seeds. Goals and tolerances
+    stay, and no exit skips a step.
 
     Exit 0 if each episode succeeded or has a known cause, and 3 if a cause is unknown. Exit 1 if a
     document has errors, and 2 if there is nothing to explain.
@@ -82,7 +83,7 @@ def why(
             if (try_ or apply) and diagnosis.failed:
                 from cbdsl.cli.failures.patches import patched
 
-                row |= patched(what, options, row, apply=apply)
+                row |= patched(what, options, history, diagnosis, apply=apply)
             print(json.dumps(row, ensure_ascii=False) if as_json else _text(row), flush=True)
             unknown |= diagnosis.failed and diagnosis.cause is None
             if page is not None and diagnosis.failed:

@@ -50,7 +50,7 @@ def compare(
     as_json: Json = False,
     markdown: Markdown = False,
 ) -> None:
-    """Compare the success rates of two programs, policies, robots or revisions, seed by seed.
+    """Compare the success rates of two programs, policies or robots with the same seeds.
 
     A and B are programs, each with its own stage, policy, schema, backend and parameters.
     PROGRAM@REVISION takes the program and all its documents from a git revision, and runs them with
@@ -90,8 +90,8 @@ def _read(text: str, target: Path) -> tuple[RunRequest, str | None]:
     program, folder = written_revision(written, target)
     values = read_assignments(words, option=written)
     stage, policy, schema, backend = (values.pop(name, None) for name in _OPTIONS)
-    options = {"stage": stage, "policy": policy, "schema": schema}
-    return load(program, **options, values=values, folder=folder), backend
+    request = load(program, stage=stage, policy=policy, schema=schema, values=values, folder=folder)
+    return request, backend
 
 
 def _range(seeds: str) -> range:
