@@ -54,9 +54,9 @@ def compare(
 
     A and B are programs, each with its own stage, policy, schema, backend and parameters.
     PROGRAM@REVISION takes the program and all its documents from a git revision, and runs them with
-    the installed code, such as reach@HEAD~1. The
-    interval of 95 % holds at all numbers of pairs. The comparison ends when it is decided, or when
-    the remaining seeds cannot decide it. The first seed with one success is explained as by cb why.
+    the installed code, such as reach@HEAD~1. The interval of 95 % holds at all numbers of pairs.
+    The comparison ends when it is decided, or when the remaining seeds cannot decide it. The first
+    seed with one success is explained as by cb why.
 
     Exit 0, or 3 if B is decidedly worse. Exit 1 if a document has errors, and 2 if a program cannot
     run.

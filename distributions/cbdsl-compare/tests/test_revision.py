@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 from pathlib import Path
 
 import pytest
 
-from cbdsl_compare.revision import written_revision
 from cbdsl import UsageError
+from cbdsl_compare.revision import written_revision
+from tests.cli.arm_program import TEXT
+from tests.cli.test_main import cb
 
 _PERSON = ("-c", "user.name=a", "-c", "user.email=a@b")
 
@@ -68,3 +71,18 @@ def test_folder_outside_of_a_repository_is_refused(
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
     with pytest.raises(UsageError, match="own@HEAD: not a git repository"):
         written_revision("own@HEAD", tmp_path / "target")
+
+
+def test_compare_runs_a_program_of_a_revision(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "raise_arm.yaml"
+    file.write_text(TEXT, "utf-8")
+    git(tmp_path, "init", "-q")
+    git(tmp_path, "add", ".")
+    git(tmp_path, "commit", "-q", "-m", "raise the arm")
+    file.write_text(f"{TEXT}limits: {{episode_time: 0.1 s}}\n", "utf-8")
+    sides = [f"{file}{revision},backend=kinematic" for revision in ("@HEAD", "")]
+    assert cb(monkeypatch, "compare", *sides, "--seeds", "0-1", "--all", "--json") == 0
+    row = json.loads(capsys.readouterr().out)
+    assert (row["successes"], row["first_difference"]["failed"]) == ([2, 0], "B")

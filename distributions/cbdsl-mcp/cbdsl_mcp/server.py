@@ -182,8 +182,8 @@ def _add_runs(server: MCPServer, jobs: Jobs, folder: Path) -> None:
     ) -> Report:
         """Compare the success rates of two programs on the same seeds, as a job."""
         sides = [within("program", each, folder) for each in (first, second)]
-        if any("," in each for each in sides):
-            raise ToolError("programs of a comparison are names or files without commas")
+        if any(sign in each for each in sides for sign in ",@"):
+            raise ToolError("programs of a comparison are names or files without , and @")
         words = [f"{each},backend={_simulator(backend)}" for each in sides]
         return await _started(
             jobs, "compare", *words, *options({"seeds": plain("seeds", seeds), "json": True})

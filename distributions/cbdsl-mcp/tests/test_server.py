@@ -180,7 +180,8 @@ def test_server_runs_a_job_and_cancels_another(folder: Path) -> None:
         ("run", {"program": "raise_arm.yaml", "backend": "ros2"}, "runs simulators only"),
         ("run", {"program": "raise_arm.yaml", "backend": "--yes"}, "neither a name nor a file"),
         ("why", {"what": "raise_arm.yaml", "backend": "ros2"}, "is no simulator"),
-        ("compare", {"first": "a,backend=ros2", "second": "b"}, "without commas"),
+        ("compare", {"first": "a,backend=ros2", "second": "b"}, "without , and @"),
+        ("compare", {"first": "a", "second": "b@HEAD~1"}, "without , and @"),
         ("job", {"number": 7}, "no job 7"),
     ],
 )
