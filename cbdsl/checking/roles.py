@@ -24,7 +24,7 @@ from cbdsl.types.role import EYES, RELATIONS, ROBOT, STEREO, STEREO_HEADING, Rol
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
-from cbdsl.yaml_text.shared_parts import has_call, validated
+from cbdsl.yaml_text.shared_calls import has_call, validated
 
 
 class Binding(NamedTuple):

@@ -57,6 +57,10 @@ def _call(text: str) -> str:
     return f"a ',' ends a value in brackets or braces; write the call in quotes: \"{text}\""
 
 
+def _lacks_end(text: str) -> str:
+    return f"the ')' of '{text}' is missing"
+
+
 class SplitCall(NamedTuple):
     """Call in brackets that commas split.
 
@@ -71,9 +75,14 @@ class SplitCall(NamedTuple):
     rest: int
 
     @property
+    def is_open(self) -> bool:
+        """Whether it has no end in the list."""
+        return _is_open(self.text)
+
+    @property
     def problem(self) -> str:
         """Diagnostic message, as a clause."""
-        return _call(self.text)
+        return _lacks_end(self.text) if self.is_open else _call(self.text)
 
 
 def split_calls(items: Sequence[Node]) -> Iterator[SplitCall]:
@@ -89,6 +98,8 @@ def split_calls(items: Sequence[Node]) -> Iterator[SplitCall]:
         if len(parts) > 1 and parts[-1] and not _is_open(text):
             yield SplitCall(text, first, len(parts) - 1)
         parts.clear()
+    if len(parts) > 1:
+        yield SplitCall(", ".join(parts), first, len(parts) - 1)
 
 
 def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
@@ -96,8 +107,7 @@ def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
     parts = [_shown(value), *(stray.text for stray in strays)]
     text = ", ".join(parts)
     if "(" in value.written:
-        lacks = f"the ')' of '{text}' is missing"
-        return Cut(lacks) if _is_open(text) else Cut(_call(text), text)
+        return Cut(_lacks_end(text)) if _is_open(text) else Cut(_call(text), text)
     row = f"[{text}]"
     if len(parts) != 2 or not _are_halves(value, parts[1]):
         return Cut(f"a list is written in brackets; write '{key}: {row}'")

@@ -246,6 +246,7 @@ class _Composer:
                 first = last
             else:
                 first.value = first.written = call.text
+                first.faulty = call.is_open
             items[call.first : call.first + call.rest + 1] = [first]
 
     def _fill(self, node: Node, depth: int) -> None:

@@ -174,7 +174,7 @@ class Library:
         if key not in self._read or not isinstance(self._read[key].document, kind):
             loaded = self._read[key] = read_sound_parts(path, kind, self.text(path))
             if getattr(loaded.document, "shared", None):
-                from cbdsl.yaml_text.shared_parts import with_shared  # few programs take any up
+                from cbdsl.yaml_text.shared_calls import with_shared  # few programs take any up
 
                 self._read[key] = with_shared(loaded, self)
         return self._read[key]

@@ -26,20 +26,8 @@ def parse_at(
         if _is_of_a_faulty_name(text, source):
             return UNKNOWN
         place = source.inside(steps, error.span.start, error.span.end)
-        is_cut = ends_within_a_call(text) and _is_before_a_comma(source, steps)
-        cut = "; YAML ends it at the ',', so quote the whole call" if is_cut else ""
-        diagnostics.add("CB401", place, problem=f"{error}{cut}")
+        diagnostics.add("CB401", place, problem=str(error))
     return UNKNOWN
-
-
-def ends_within_a_call(text: str) -> bool:
-    """Return whether a bracket is not closed, as in the first part of ``[look(sat_10, head)]``."""
-    return text.count("(") > text.count(")")
-
-
-def _is_before_a_comma(source: SourceMap, steps: tuple[Step, ...]) -> bool:
-    place = source.place(*steps)
-    return source.lines[place.line - 1][place.end_column - 1 :].lstrip()[:1] == ","
 
 
 def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from cbdsl.checking.lookup.parsing import ends_within_a_call
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.rules.compositions import Compositions
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
@@ -51,6 +50,7 @@ class Actions:
             not isinstance(written, Unknown)
             and len(listed) == len(written)
             and len(steps) == len(context.document.steps)
+            and not context.source.broken.is_below(("steps",))
         )
 
     @property
@@ -69,13 +69,8 @@ class Actions:
     def _read(self) -> list[tuple[Expression, Steps]]:
         """Return the actions that can be parsed, with their paths."""
         actions: dict[str, tuple[Expression, Steps]] = {}
-        is_cut = False
         for i, text in enumerate(self._context.document.actions):
             steps: Steps = ("actions", i)
-            if is_cut:  # part of the previous call
-                is_cut = ")" not in text
-                continue
-            is_cut = ends_within_a_call(text)
             expression = self._context.parse(text, steps)
             if isinstance(expression, Unknown):
                 continue

@@ -111,13 +111,17 @@ class Compositions:
         self._context.used.add(term.name)
         # A call of a shared controller is declared by its text; others take no arguments.
         name = str(term) if str(term) in self._context.loaded.taken else term.name
-        if name != str(term) and not agrees(
-            term, (), self._context.at(steps, term.span), self._context.diagnostics
-        ):
+        if name != str(term) and not self._takes_none(term, steps):
             return UNKNOWN
         if isinstance(document, str):
             return self._composite(name, document, stack)
         return self._triple(name, document)
+
+    def _takes_none(self, term: Term, steps: Steps) -> bool:
+        """Return whether a term has no arguments, and report them unless it may call a lost one."""
+        if self._context.source.broken.is_below(("shared",)):
+            return not term.arguments
+        return agrees(term, (), self._context.at(steps, term.span), self._context.diagnostics)
 
     def _triple(
         self, name: str, document: written.ControllerSection

@@ -16,7 +16,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.shared import SharedDocument
 from cbdsl.yaml_text.loaded import Loaded
-from cbdsl.yaml_text.shared_parts import as_program, shared_parts
+from cbdsl.yaml_text.shared_parts import as_program, shared_parts, unused_parameters
 
 
 def check_shared(
@@ -24,13 +24,10 @@ def check_shared(
 ) -> None:
     """Check the parts of a shared document with the values of its parameters."""
     parts, source = shared_parts(loaded, diagnostics), loaded.source
-    named = {name for part in parts.values() for name in part.parameters}
-    for name in loaded.document.parameters:
-        if name not in named:
-            diagnostics.add("CB702", source.key("parameters", name), name=name)
-    if diagnostics.failed or loaded.diagnostics:
+    if source.broken.holds("robot"):
         return
-    program = as_program(loaded, parts, session.library.text(loaded.path))
+    text = session.library.text(loaded.path)
+    program = as_program(loaded, parts, text, diagnostics.sorted())
     diagnostics.extend(program.diagnostics)
     values = source.declared(program.document.parameters, "parameters")
     places = {name: source.place("parameters", name) for name in program.document.parameters}
@@ -45,6 +42,8 @@ def check_shared(
     )
     Compositions(context).check_all()
     check_conditions(context)
+    if not diagnostics.failed:  # a part may use its parameters in a text with a fault
+        diagnostics.extend(unused_parameters(loaded, parts).sorted())
 
 
 def faults_of_shared(path: Path, session: Session) -> Diagnostics:

@@ -77,11 +77,10 @@ class _Salvage(Generic[D]):
         self._context = {"folder": source.path.parent, "relative": relative}
 
     def salvage(self, errors: Sequence[ErrorDetails]) -> Loaded[D]:
-        if self._faults:
-            judged = self._judge_words()
-            faulty = list(_faulty(self._source.root, ()))
-            self._leave_out(faulty)
-            errors = errors if faulty else judged
+        judged = self._judge_words() if self._faults else errors
+        faulty = list(_faulty(self._source.root, ()))
+        self._leave_out(faulty)
+        errors = () if faulty else judged
         if errors:
             self._mend(errors)
         for _ in range(_MOST_ROUNDS - bool(errors)):

@@ -174,3 +174,22 @@ def test_shared_controller_that_is_not_called_is_a_warning(folder: Path) -> None
     path = edited(folder, "go.yaml", "kept]", "kept, keep]")
     (found,) = check_document(path)
     assert (found.code, found.is_error, found.place.line) == ("CB701", False, 6)
+
+
+@pytest.mark.parametrize("parts", ["", "conditions: {far(arm): $arm.position.x > 1 m}\n"])
+def test_shared_document_without_controllers_is_valid(folder: Path, parts: str) -> None:
+    path = folder / "programs/shared/few.yaml"
+    values = "parameters: {arm: right_arm}\n" if parts else ""
+    path.write_text(f"cbdsl: 1\nkind: shared\nname: few\nrobot: dexter\n{values}{parts}")
+    assert check_document(path) == []
+
+
+def test_faulty_part_of_a_shared_document_hides_no_other_fault(folder: Path) -> None:
+    parts = "one(arm): watch($arm) ◁ rise($leg, 1 m)\n  two(arm): [nothing]\n  three: two($arm)\n  "
+    edited(folder, "shared/looks.yaml", "watch(object)", f"{parts}watch(object)")
+    path = edited(
+        folder, "shared/looks.yaml", "reference: here, feedback", "reference: her, feedback"
+    )
+    path = path.parent / "shared/looks.yaml"
+    found = [(each.code, each.place.line) for each in check_document(path) if each.is_error]
+    assert found == [("CB402", 7), ("CB204", 8), ("CB402", 9), ("CB501", 11)]
