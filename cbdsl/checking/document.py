@@ -63,6 +63,7 @@ def check_program(
 ) -> None:
     """Check a program with the session's values of its parameters."""
     from cbdsl.checking.program import examine_program  # robots and stages do without
+    from cbdsl.checking.rules.guards import check_fixtures
     from cbdsl.checking.rules.stage_colors import check_colors
 
     known = {*loaded.document.assignable, *([ROBOT] if loaded.document.roles else ())}
@@ -71,6 +72,7 @@ def check_program(
         program = examine_program(loaded.path, {**values, **robot}, session, diagnostics)
         if not isinstance(program, Unknown) and not diagnostics.failed:
             check_colors(loaded, program, session, diagnostics)
+            check_fixtures(loaded, program, session, diagnostics)
 
 
 def _robots(

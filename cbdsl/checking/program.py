@@ -192,7 +192,7 @@ class _ProgramCheck:
     def check(self) -> Outcome[CheckedProgram]:
         context, actions = self._context, self._actions
         background = self._background()
-        check_guards(context)
+        self._avoided = check_guards(context)
         checked = actions.check()
         conditions = check_conditions(context)
         are_complete = actions.are_complete
@@ -302,6 +302,7 @@ class _ProgramCheck:
                 document.guards.hand_force,
                 document.guards.joint_torque,
                 document.guards.clearance,
+                *self._avoided,
             ),
         )
 

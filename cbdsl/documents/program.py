@@ -274,6 +274,9 @@ class GuardsSection(Section):
     """Maximum torque of contacts anywhere on an arm, over all its joints."""
     clearance: Annotated[float, quantity("length", gt=0)] | None = None
     """Minimum distance between links of the robot."""
+    avoid: tuple[Text, ...] = ()
+    """Fixtures of the stage, and seen objects such as `stereo.red`, from which links keep the
+    clearance, too."""
 
 
 # Stands for a key that is not there; nothing that can be written equals it.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -48,6 +48,7 @@ class LinkClearance:
     Attributes:
         arrays: Shapes and pairs in the form of compiled code.
         names: Names of the links of each pair.
+        owners: Name of the link or place of each shape.
         joints: Joints of the robot.
 
     Args:
@@ -78,7 +79,7 @@ class LinkClearance:
         shapes |= {link: tuple(map(_stated, each)) for link, each in stated.shapes.items()}
         own = [(link, each) for link in tree.rows for each in shapes.get(link, ())]
         own += [(name, _stated(each)) for name, each in stated.keep_out.items()]
-        owners = [link for link, _ in own]
+        owners = self.owners = [link for link, _ in own]
         # The frame of the base, which is the world's, carries the places to keep out of.
         records, offsets = _records(
             [each for _, each in own], [tree.rows.get(at, 0) for at in owners]
@@ -178,6 +179,12 @@ class LinkClearance:
     def _leader(self, joint: str) -> str:
         couplings = self._robot.couplings
         return couplings[joint].follows if joint in couplings else joint
+
+
+def with_places(robot: RobotDocument, places: Mapping[str, HullSection]) -> RobotDocument:
+    """Return a robot whose links keep their distance from further places in the world frame."""
+    kept = robot.clearance.model_copy(update={"keep_out": {**robot.clearance.keep_out, **places}})
+    return robot.model_copy(update={"clearance": kept}) if places else robot
 
 
 def too_near_at_start(robot: RobotDocument, model: UrdfModel, least: float) -> str:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from cbdsl.program.automaton import Automaton
 from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.schema import Schema
 from cbdsl.types.resource import Resource
+
+if TYPE_CHECKING:
+    from cbdsl.documents.robot import HullSection
 
 
 class Action(NamedTuple):
@@ -75,18 +78,32 @@ class Guards(NamedTuple):
         hand_force: Net force of a hand, N.
         joint_torque: Torque of all joints of an arm together, by contacts anywhere on it, N m.
         clearance: Least distance between links, m.
+        seen: Positions of seen objects from which links keep it, too.
+        fixtures: Names of fixtures of the stage from which links keep it, too.
+        hulls: Hulls around them on the stage of a run, by name.
     """
 
     finger_force: float | None = None
     hand_force: float | None = None
     joint_torque: float | None = None
     clearance: float | None = None
+    seen: tuple[Resource, ...] = ()
+    fixtures: tuple[str, ...] = ()
+    hulls: Mapping[str, HullSection] = {}
 
     def within(self, other: Guards) -> Guards:
         """Return the narrower bounds of two."""
-        pairs = zip(self, other, (min, min, min, max), strict=True)
-        given = (([x for x in pair if x is not None], narrower) for *pair, narrower in pairs)
-        return Guards(*(narrower(bounds, default=None) for bounds, narrower in given))
+        bounds = {
+            name: narrower(given)
+            for name, narrower in zip(self._fields, (min, min, min, max), strict=False)
+            if (given := [x for x in (getattr(self, name), getattr(other, name)) if x is not None])
+        }
+        return Guards(
+            **bounds,
+            seen=tuple(dict.fromkeys(self.seen + other.seen)),
+            fixtures=tuple(dict.fromkeys(self.fixtures + other.fixtures)),
+            hulls={**self.hulls, **other.hulls},
+        )
 
 
 NO_GUARDS = Guards()
@@ -178,6 +195,7 @@ def resources_of(program: CheckedProgram) -> Sequence[Resource]:
     for composition in compositions:
         for controller in composition.controllers if composition else ():
             resources.update(dict.fromkeys(controller.resources))
+    resources.update(dict.fromkeys(program.guards.seen))
     for condition in program.conditions.values():
         resources.update(dict.fromkeys(condition.resources))
     for action in program.actions:

@@ -114,7 +114,7 @@ class Actuation:
     def guard(self, guards: Guards) -> None:
         """Bound loads and distances by other guards from now on."""
         self.load_guards = LoadGuards(guards, self._signals, self._period)
-        self.clearance = Clearance(guards.clearance, self._signals, self._period)
+        self.clearance = Clearance(guards, self._signals, self._period)
         self._batches: dict[_Acting, ControllerBatch] = {}
         self._forget()
 
@@ -158,6 +158,7 @@ class Actuation:
         for run in batch.prepared:
             run.prepare()
         self.load_guards.note_strain()
+        self.clearance.place_seen()
         # A bound call holds addresses of arrays. They change if the table or the plan grows, and
         # the call is then bound again.
         versions = self._signals.table.version, self._plan.version
@@ -285,7 +286,7 @@ class Actuation:
         joints, limits = signals.joints.pick(names), signals.kinematics
         stack = Stack([(run.controller.name, run.size) for run in runs], len(joints))
         rows = [row for run in runs for row in run.needs] + self.load_guards.rows
-        rows += self._plan.conditions.rows()
+        rows += [*self._plan.conditions.rows(), *self.clearance.rows]
         return ControllerBatch(
             active,
             runs,

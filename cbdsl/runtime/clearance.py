@@ -7,9 +7,11 @@ from collections import Counter
 import numpy as np
 
 from cbdsl.diagnostics.counting import some
-from cbdsl.kinematics.link_clearance import LinkClearance
+from cbdsl.documents.robot import HullSection
+from cbdsl.kinematics.link_clearance import LinkClearance, with_places
 from cbdsl.kinematics.link_distance import DistanceArrays
 from cbdsl.numeric.arrays import Floats, Integers
+from cbdsl.program.checked import Guards
 from cbdsl.sensing.signals import Signals
 
 # Distance beyond the clearance within which links slow down, m, and the time constant, s.
@@ -18,6 +20,8 @@ _NEAR, _TIME = 0.06, 0.15
 _PACE = 0.06
 # Largest share of the way to the clearance in a tick.
 _MOST = 0.5
+# Place of an object that is not seen, beyond every robot's reach, m.
+_FAR = HullSection(points=((0.0, 0.0, 1e3),))
 
 
 class Clearance:
@@ -25,21 +29,26 @@ class Clearance:
 
     Attributes:
         arrays: Shapes and pairs of links; ``None`` without a bound.
+        rows: Rows of the signal table of the seen objects that links keep away from.
 
     Args:
-        least: Least distance, m, if that of the robot is less; ``None`` for no other.
+        guards: Guards, whose least distance counts if that of the robot is less.
         signals: Signals of the robot.
         period: Period of the control ticks, s.
     """
 
-    def __init__(self, least: float | None, signals: Signals, period: float) -> None:
+    def __init__(self, guards: Guards, signals: Signals, period: float) -> None:
         self._period, self._held = period, Counter[tuple[str, str]]()
-        self._least = least = max(least or 0.0, signals.robot.clearance.distance or 0.0)
+        self._least = least = max(guards.clearance or 0.0, signals.robot.clearance.distance or 0.0)
+        self._table, self.rows = signals.table, [signals.bind(each) for each in guards.seen]
         self._links: LinkClearance | None = None
         if least > 0.0:
             share = min(period / _TIME, _MOST)
             model = signals.kinematics.model
-            self._links = LinkClearance(signals.robot, model, least, _NEAR, share, _PACE * period)
+            balls = {each.name: _FAR for each in guards.seen}
+            robot = with_places(signals.robot, {**guards.hulls, **balls})
+            self._links = LinkClearance(robot, model, least, _NEAR, share, _PACE * period)
+            self._balls = [self._links.owners.index(name) for name in balls]
         self.arrays: DistanceArrays | None = self._links.arrays if self._links else None
 
     def reset(self) -> None:
@@ -47,6 +56,21 @@ class Clearance:
         self._held.clear()
         if self._links is not None:
             self._links.arrays.pairs["held"] = False
+
+    def place_seen(self) -> None:
+        """Move the balls of seen objects to their measured places; those not seen are far away."""
+        if self._links is None or not self.rows:
+            return
+        arrays = self._links.arrays
+        for row, shape in zip(self.rows, self._balls, strict=True):
+            is_there, record = self._table.is_defined(row), arrays.shapes[shape]
+            place = self._table.values(row) if is_there else np.array(_FAR.points[0])
+            record["radius"] = self._table.records[row]["radius"] if is_there else 0.0
+            record["centre"], record["reach"] = place, record["radius"]
+            arrays.offsets[record["span"][0]] = place
+            # A lower bound on the distance, so that it is measured again.
+            arrays.pairs["distance"][arrays.pairs["second"] == shape] = 0.0
+        arrays.at[:] = np.nan
 
     def note(self) -> None:
         """Count the ticks in which pairs were held."""

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import cbdsl
 from cbdsl.api.load import load
 from cbdsl.api.open_robot import open_robot
 from cbdsl.api.requests.run_request import RunRequest
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.robot import ClearanceSection, HullSection, RobotDocument
-from cbdsl.kinematics.link_clearance import LinkClearance
+from cbdsl.kinematics.link_clearance import LinkClearance, with_places
 from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.recording import Recording
+from cbdsl.runtime.tick import Tick
 
 LEAST = 0.02  # m
 CROSSED = """cbdsl: 1
@@ -131,3 +134,85 @@ def test_recording_names_the_pairs_that_were_held_for_longest(tmp_path: Path) ->
     assert 0 < len(guards) <= 6
     assert all(" near " in name for name in guards)
     assert held.any(axis=0).all()
+
+
+AVOIDING = """cbdsl: 1
+kind: program
+name: avoid
+robot: dexter
+stage: table_right
+use: {{searchtrack: {{program: searchtrack, with: {{feature: sat_10}}}}}}
+controllers:
+  reach: {{potential: spring, reference: {goal}, feedback: right_arm.position, effector: right_arm}}
+actions: [searchtrack, reach]
+steps:
+  look: {{do: searchtrack, then: reach, failed: fail}}
+  reach: {{do: reach, then: succeed}}
+guards: {{clearance: 2 cm, avoid: [{avoid}]}}
+limits: {{episode_time: 12 s}}
+"""
+
+
+def avoiding(folder: Path, goal: str, avoid: str) -> RunRequest:
+    path = folder / "avoid.yaml"
+    path.write_text(AVOIDING.format(goal=goal, avoid=avoid), "utf-8")
+    return load(path)
+
+
+def test_fixture_to_avoid_holds_all_links_back(tmp_path: Path) -> None:
+    request, postures = avoiding(tmp_path, "[45 cm, -25 cm, -50 cm]", "table"), list[Floats]()
+    with open_robot(request, backend="kinematic") as robot:
+        result = robot.run(1, on_tick=lambda tick: postures.append(tick.actuation.reference.copy()))
+    table = request.stage.fixtures["table"]
+    corners = product(
+        *((x[0] - h, x[0] + h) for x, h in zip(table.position, (0.3, 0.6, 0.02), strict=True))
+    )
+    links = LinkClearance(
+        with_places(request.robot, {"table": HullSection(points=tuple(corners))}),
+        read_urdf(request.urdf), LEAST,
+    )  # fmt: skip
+    assert not [near for each in postures for near in links.nearer(each) if near.distance < 0.01999]
+    assert "from table" in result.ending and "the clearance of 2 cm held" in result.ending
+
+
+def test_seen_object_to_avoid_holds_all_links_back(tmp_path: Path) -> None:
+    """The palm is sent into the ball, whose place the links know from the cameras alone."""
+    request, apart = avoiding(tmp_path, "stereo.sat_10", "stereo.sat_10"), list[float]()
+    with open_robot(request, backend="kinematic", cameras="ideal") as robot:
+
+        def note(tick: Tick) -> None:
+            pairs = tick.actuation.clearance.arrays.pairs
+            apart.append(float(pairs["distance"][pairs["near"]].min(initial=1.0)))
+
+        result = robot.run(1, on_tick=note)
+    assert 0.015 < min(apart) < 0.03, "the palm came to the ball, and no nearer"
+    assert "from stereo.sat_10" in result.ending
+
+
+@pytest.mark.parametrize(
+    ("avoid", "says"),
+    [
+        ("shelf", "'shelf' is no fixture of stage 'table_right' (known: table)"),
+        ("right_arm.position", "'right_arm.position' is no position of a seen object"),
+    ],
+)
+def test_object_to_avoid_that_is_not_known_is_one_finding(
+    tmp_path: Path, avoid: str, says: str
+) -> None:
+    path = tmp_path / "avoid.yaml"
+    path.write_text(AVOIDING.format(goal="stereo.sat_10", avoid=avoid), "utf-8")
+    (finding,) = cbdsl.check(path)
+    assert finding.code == "CB587" and says in finding.message
+
+
+def test_fixture_to_avoid_that_a_stage_lacks_is_refused(tmp_path: Path) -> None:
+    avoiding(tmp_path, "stereo.sat_10", "table")
+    with pytest.raises(UsageError, match="no fixture of stage 'held_right'"):
+        load(tmp_path / "avoid.yaml", stage="held_right")
+
+
+def test_objects_to_avoid_without_a_distance_are_one_finding(tmp_path: Path) -> None:
+    text = AVOIDING.format(goal="stereo.sat_10", avoid="table").replace("clearance: 2 cm, ", "")
+    (tmp_path / "avoid.yaml").write_text(text, "utf-8")
+    with pytest.raises(DiagnosticsError, match="'avoid' needs the distance"):
+        load(tmp_path / "avoid.yaml")

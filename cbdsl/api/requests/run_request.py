@@ -166,7 +166,7 @@ def read_request(
         require_body(known, shown)
         robot = calibrated(robot, known)
     return RunRequest(
-        program=learned,
+        program=_with_hulls(learned, shown, robot, robot_file.parent / robot.model),
         program_file=path,
         robot=robot,
         urdf=robot_file.parent / robot.model,
@@ -174,6 +174,34 @@ def read_request(
         library=library,
         values=values,
     )
+
+
+def _with_hulls(
+    program: CheckedProgram, stage: StageDocument, robot: RobotDocument, urdf: Path
+) -> CheckedProgram:
+    """Return a program that knows the fixtures of its stage from which its links keep away.
+
+    Raises:
+        UsageError: The stage has no such fixture, or a link starts too near one.
+    """
+    if not (names := program.all_guards.fixtures):
+        return program
+    from cbdsl.checking.stage.fixture_hulls import fixture_hull
+    from cbdsl.diagnostics.errors import UsageError
+
+    hulls = {}
+    for name in names:
+        hull = fixture_hull(name, stage)
+        if isinstance(hull, str):
+            raise UsageError(f"{program.name}: {hull}")
+        hulls[name] = hull
+    from cbdsl.kinematics.link_clearance import too_near_at_start, with_places
+    from cbdsl.robot.urdf_reader import read_urdf
+
+    least = program.all_guards.clearance or 0.0
+    if near := too_near_at_start(with_places(robot, hulls), read_urdf(urdf), least):
+        raise UsageError(f"{program.name} on {stage.name}: {near}")
+    return program._replace(guards=program.guards._replace(hulls=hulls))
 
 
 def _read_stage(
