@@ -33,7 +33,11 @@ _DYNAMICS = {"place": "", "velocity": ".velocity", "volume": ".volume"}
 
 
 def program_to_assimilate(
-    path: Path, policy: Loaded[PolicyDocument], session: Session, values: Mapping[str, str]
+    path: Path,
+    policy: Loaded[PolicyDocument],
+    session: Session,
+    values: Mapping[str, str],
+    least: int = 2,
 ) -> CheckedProgram:
     """Return a program with all its allocations, without any learned choice between them.
 
@@ -42,12 +46,13 @@ def program_to_assimilate(
         policy: Declarative policy without diagnostics.
         session: Session with the documents read so far.
         values: Values of the program's parameters.
+        least: Fewest allocations that have to fit.
 
     Raises:
-        UsageError: Less than two allocations fit, or no controller uses a seen position.
+        UsageError: Fewer allocations fit, or no controller uses a seen position.
     """
     fitting = _fitting(path, session, values)
-    if len(fitting) < 2:
+    if len(fitting) < least:
         raise UsageError(
             f"{path}: there is nothing to choose: of its resources one allocation fits; "
             f"see cb show allocations {path.stem}"

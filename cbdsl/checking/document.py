@@ -93,7 +93,8 @@ def check_schema(
     from cbdsl.checking.program import examiner
     from cbdsl.checking.schema import checked_schema
 
-    checked_schema(loaded, session, diagnostics, examiner(session))
+    values = {key: robot for key, robot in session.values.items() if key == ROBOT}
+    checked_schema(loaded, session, diagnostics, examiner(session), values)
 
 
 def _named_like_its_file(loaded: Loaded[Document], diagnostics: Diagnostics) -> None:

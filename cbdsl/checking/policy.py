@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cbdsl.checking.knowledge.home_robot import home_values
 from cbdsl.checking.knowledge.policy_agreement import check_policy
 from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.program import examine_program
@@ -23,6 +24,7 @@ def examine_policy(
     )
     if isinstance(path, Unknown):
         return
-    program = examine_program(path, {}, session, diagnostics)
+    values = home_values(loaded.document, path, session)
+    program = examine_program(path, values, session, diagnostics)
     if not isinstance(program, Unknown):
         check_policy(loaded, program, path, session, diagnostics)

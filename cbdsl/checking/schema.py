@@ -6,7 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cbdsl.checking.allotments import exchangeable
-from cbdsl.checking.knowledge.policy_agreement import check_policy, with_policy
+from cbdsl.checking.knowledge.policy_agreement import (
+    check_models,
+    check_policy,
+    with_models,
+    with_policy,
+)
 from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.open_members import MemberExchange
@@ -30,6 +35,7 @@ from cbdsl.types.allotment import WHOLE
 from cbdsl.types.decision_tree import Tree
 from cbdsl.types.resource import AFFORDS, Resource
 from cbdsl.types.resource_type import COUNT
+from cbdsl.types.role import ROBOT
 from cbdsl.types.source_record import is_visual
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -67,7 +73,7 @@ class _SchemaCheck:
     ) -> None:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
         self._session, self._diagnostics = session, diagnostics
-        self._examine, self._values = examine, values
+        self._examine, self._values = examine, dict(values)
         self._dimensions: dict[str, str] = {}
         #: Features that count objects, with the number that can be distinguished.
         self._counts: dict[str, int] = {}
@@ -86,7 +92,7 @@ class _SchemaCheck:
         document, library = self._document, self._session.library
         path = library.find(ProgramDocument, document.program, self._loaded.path)
         policy = self._policy()
-        if path is None or isinstance(policy, Unknown):
+        if path is None or isinstance(policy, Unknown) or not self._is_at_home(path):
             return UNKNOWN
         variants = {
             name: variant
@@ -114,7 +120,27 @@ class _SchemaCheck:
             least_reward=document.least_reward,
             worth=worth,
         )
-        return allocate(variants, schema)._replace(looks=self._looks(base))
+        program = allocate(variants, schema)._replace(looks=self._looks(base))
+        check_models(self._loaded, program, self._session, self._diagnostics)
+        return UNKNOWN if self._diagnostics.failed else with_models(program, self._loaded, library)
+
+    def _is_at_home(self, program: Path) -> bool:
+        """Check that a schema of a program over roles allocates the effectors of its robot."""
+        provenance, library = self._document.provenance, self._session.library
+        roles = library.read_as_written(program, ProgramDocument).document.roles
+        if not roles:
+            self._values.pop(ROBOT, None)
+        if provenance is None or not roles:
+            return True
+        home = provenance.robot.name
+        robot = self._values.setdefault(ROBOT, home)
+        is_known = library.find(RobotDocument, home, program) is not None
+        if robot != home or not is_known:
+            details = {"name": self._document.name, "program": self._document.program}
+            other = "which is not at hand" if robot == home else f"and not of '{robot}'"
+            place = self._source.place("provenance", "robot", "name")
+            self._diagnostics.add("CB646", place, robot=home, other=other, **details)
+        return robot == home and is_known
 
     def _looks(self, program: CheckedProgram) -> dict[str, PriorLook]:
         """Return the programs that define features, by the feature's name."""
@@ -194,7 +220,7 @@ class _SchemaCheck:
         self, values: Mapping[str, str], path: Path
     ) -> tuple[CheckedProgram | None, str]:
         """Return the program with some values, or its stand-in; else ``None`` and the reason."""
-        known = self._session.library.read(path, ProgramDocument).document.assignable
+        known = {*self._session.library.read(path, ProgramDocument).document.assignable, ROBOT}
         own = {key: value for key, value in values.items() if key in known}
         members = {k: value for k, value in values.items() if k not in known and k != WHOLE}
         # An allocation either replaces the whole program, or some of its members.

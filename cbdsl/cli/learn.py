@@ -16,7 +16,7 @@ from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.command_text import command_text
 from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.arguments.option_groups import grouped
-from cbdsl.cli.arguments.options import With
+from cbdsl.cli.arguments.options import Robot, With
 from cbdsl.cli.arguments.workers import require_workers, warn_of_open_scheduler
 from cbdsl.cli.episodes.live import LiveOptions
 from cbdsl.cli.episodes.simulation import needing_simulation
@@ -101,9 +101,10 @@ def _help(words: str, default: object) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class TrialOptions:
-    """Stage of the trials, and parameters of the program."""
+    """Stage and robot of the trials, and parameters of the program."""
 
     stage: Stage = None
+    robot: Robot = None
     with_: With = field(default_factory=list)
 
 
@@ -142,6 +143,8 @@ def learn(
 ) -> None:
     """Learn the values of a program's actions from scratch, by discovering affordances.
 
+    With --from, another robot's policy is kept, and allocations and internal models are learned.
+
     cb run --policy runs the policy of --out. Beside it, the journal .episodes.jsonl has a line for
     each finished episode. --resume continues an interrupted trial, with the same result as without
     the interruption.
@@ -150,11 +153,12 @@ def learn(
     130 after Ctrl-C or SIGTERM.
     """
     place.require_suitable(live)
-    run = read_request(str(request.program), trial.stage, None, read_assignments(trial.with_))
+    values = read_assignments(trial.with_, robot=trial.robot)
+    run = read_request(str(request.program), trial.stage, None, values)
     constants = {name: value for name, value in spelled.items() if value is not None}
     request = replace(request, program=run, constants={**request.constants, **constants})
     request.require_sound()
-    if request.learner != NAME_RELATIONS:
+    if request.algorithm != NAME_RELATIONS:
         _tell_of_no_reward(run)
     with needing_simulation():
         # The recorded command contains the checked constants, and is therefore added to a complete
@@ -198,7 +202,7 @@ def _command(context: typer.Context, constants: Section) -> str:
         words,
         LearnRequest,
         context.params["out"].name,
-        also=("stage", "with_"),
+        also=("stage", "robot", "with_"),
         instead={"constants": [*_set(constants)]},
     )
 

@@ -43,6 +43,8 @@ class Provenance(Section):
     """Actions to choose from."""
     robot: Identity
     """Robot of the episodes."""
+    origin: Identity | None = None
+    """Robot that learned the policy, if another one did."""
     stage: Identity
     """Training context."""
     algorithm: Name

@@ -70,6 +70,9 @@ class SchemaDocument(Document):
     """Learned policy pi that chooses the abstract actions."""
     actions: dict[Name, AbstractAction] = {}
     """Declarative part of the program's controllers, by name (Eq 5.1)."""
+    models: dict[str, Name] = {}
+    """Internal models of this robot that replace the program's, such as ``hand.uniform``, if
+    another robot learned the policy."""
     catalog: Name | None = None
     """Catalog with probabilities of reward for use as features, such as ``affords.reachtouch``."""
     features: Annotated[dict[Name, str], Field(min_length=1)]

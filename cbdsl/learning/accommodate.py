@@ -9,7 +9,7 @@ import numpy as np
 
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.learning.constants import AccommodateConstants, Form
+from cbdsl.learning.constants import AccommodateConstants, DensityConstants, Form
 from cbdsl.learning.decisions import Decisions
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.knowledge_documents import model_documents, policy_document
@@ -18,6 +18,33 @@ from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.types.state import ANY
+
+
+class RewardedConfigurations:
+    """Rewarded configurations of effectors, and their densities (line 19).
+
+    Args:
+        constants: Constants of the densities.
+    """
+
+    def __init__(self, constants: DensityConstants) -> None:
+        self._constants = constants
+        self._samples: dict[str, list[tuple[float, ...]]] = {}
+
+    def add(self, experience: Experience) -> None:
+        """Add the rewarded configurations of an episode."""
+        for effector, configuration in experience.rewarded.items():
+            self._samples.setdefault(effector, []).append(configuration)
+
+    def densities(self) -> dict[str, Kernel | Gaussian]:
+        """Return densities of the rewarded configurations, by effector."""
+        constants = self._constants
+        return {
+            effector: learned_density(
+                samples, constants.density, constants.bandwidth, constants.prior
+            )
+            for effector, samples in self._samples.items()
+        }
 
 
 class TransitionCounts:
@@ -128,7 +155,7 @@ class Accommodate:
         self._decisions = Decisions(programs)
         self.values = QLearning(actions, constants.gamma, constants.alpha)
         self.counts = TransitionCounts()
-        self._samples: dict[str, list[tuple[float, ...]]] = {}
+        self._rewarded = RewardedConfigurations(constants)
         self._episodes = 0
 
     def see(self, transition: Transition) -> None:
@@ -146,18 +173,11 @@ class Accommodate:
     def remember(self, experience: Experience) -> None:
         """Learn from the rewarded configurations of a finished episode (line 19)."""
         self._episodes += 1
-        for effector, configuration in experience.rewarded.items():
-            self._samples.setdefault(effector, []).append(configuration)
+        self._rewarded.add(experience)
 
     def densities(self) -> dict[str, Kernel | Gaussian]:
         """Return densities of the rewarded configurations, by effector."""
-        constants = self._constants
-        return {
-            effector: learned_density(
-                samples, constants.density, constants.bandwidth, constants.prior
-            )
-            for effector, samples in self._samples.items()
-        }
+        return self._rewarded.densities()
 
     def policy(self, rng: np.random.Generator) -> Explorer:
         """Return the epsilon-greedy policy of the next episode, from the present knowledge."""

@@ -195,11 +195,13 @@ class Assimilate:
         """Return the least and largest value of each component of the features."""
         assert self._program is not None
         assert self._program.schema is not None
-        return {
-            name: (round(min(values), 4), round(max(values), 4))
-            for name in self._program.schema.components
-            if (values := [each.features[name] for each in self._contexts])
-        }
+        ranges = {}
+        for name in self._program.schema.components if self._contexts else ():
+            values = [each.features[name] for each in self._contexts]
+            # Features are rounded, so that each stands for values on both sides of it.
+            about = self._resolutions.get(name, 0.0) / 2
+            ranges[name] = round(min(values) - about, 4), round(max(values) + about, 4)
+        return ranges
 
     def _tried(self, context: TriedContext, choice: Tree[Ranking]) -> bool:
         """Return whether a context's preferred allocation was tried (as the first, if blamed)."""
@@ -227,6 +229,8 @@ class Assimilate:
         assert self._program is not None
         assert self._program.schema is not None
         schema, parameters = self._program.schema, program.parameters
+        exchanged = {key for each in schema.allocations.values() for key in each}
+        kept = {key: value for key, value in parameters.items() if key not in exchanged}
         units = {name: _unit(name, schema) for name in schema.components}
         return SchemaDocument(
             cbdsl=1,
@@ -235,7 +239,7 @@ class Assimilate:
             program=program.name,
             policy=schema.policy,
             actions=_abstract_actions(self._program),
-            features={n: _text(r.name, parameters) for n, r in schema.features.items()},
+            features={n: _text(r.name, kept) for n, r in schema.features.items()},
             look={name: _use(look, parameters) for name, look in self._program.looks.items()},
             allocations={name: dict(each) for name, each in schema.allocations.items()},
             choose=_written(self.choice(), units, ChoiceQuestion, _answer),

@@ -14,8 +14,19 @@ Form = Literal["kernel", "gaussian"]
 C = TypeVar("C", bound=Section)
 
 
-class AccommodateConstants(Section):
-    """Constants of Algorithm 1, line 3, and of the densities that it learns."""
+class DensityConstants(Section):
+    """Constants of the densities of rewarded configurations."""
+
+    density: Form = "kernel"
+    """Form of the internal models: kernel or gaussian."""
+    bandwidth: Annotated[float, quantity("angle", gt=0, le=100)] = 0.1
+    """Standard deviation of their kernels, smallest one of their Gaussians."""
+    prior: Annotated[float, quantity(ge=0, le=1e9)] = 10.0
+    """As how many samples the uniform density counts in them."""
+
+
+class ValueConstants(Section):
+    """Constants of Algorithm 1, line 3."""
 
     gamma: Annotated[float, quantity(ge=0, lt=1)] = 0.8
     """Discount."""
@@ -26,12 +37,11 @@ class AccommodateConstants(Section):
     exploring_episodes: Count | None = None
     """Number of episodes with exploration; later ones act greedily and are also learned from
     [all]."""
-    density: Form = "kernel"
-    """Form of the internal models: kernel or gaussian."""
-    bandwidth: Annotated[float, quantity("angle", gt=0, le=100)] = 0.1
-    """Standard deviation of their kernels, smallest one of their Gaussians."""
-    prior: Annotated[float, quantity(ge=0, le=1e9)] = 10.0
-    """As how many samples the uniform density counts in them."""
+
+
+# The fields of the last base come first.
+class AccommodateConstants(DensityConstants, ValueConstants):
+    """Constants of Algorithm 1, and of the densities that it learns."""
 
 
 def read_constants(model: type[C], given: Mapping[str, str | float], learner: str) -> C:

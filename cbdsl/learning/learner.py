@@ -139,7 +139,8 @@ class ContinuingLearner(Protocol):
         ...
 
 
-ACCOMMODATE, ASSIMILATE, NAME_RELATIONS = "accommodate", "assimilate", "name_relations"
+ACCOMMODATE, ASSIMILATE, TRANSFER = "accommodate", "assimilate", "transfer"
+NAME_RELATIONS = "name_relations"
 
 LEARNERS: Registry[LearnerClass] = Registry(
     "learner",
@@ -147,6 +148,7 @@ LEARNERS: Registry[LearnerClass] = Registry(
     {
         ACCOMMODATE: "cbdsl.learning.accommodate:Accommodate",
         ASSIMILATE: "cbdsl.learning.assimilate:Assimilate",
+        TRANSFER: "cbdsl.learning.transfer:Transfer",
         NAME_RELATIONS: "cbdsl.learning.catalogs.name_relations:NameRelations",
     },
     _learner_class,

@@ -20,13 +20,14 @@ def allocate(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedP
         schema: Schema that chooses among the allocations.
     """
     # All variants have the same abstract actions in the same order. An action is allocated if any
-    # variant resolves it differently from the first one.
+    # variant resolves it differently from the first one; so is each action of a single variant.
     base = next(iter(variants.values()))
     replaced = {
         action.name
         for variant in variants.values()
         for action, own in zip(variant.actions, base.actions, strict=True)
-        if (action.composition, action.program) != (own.composition, own.program)
+        if len(variants) == 1
+        or (action.composition, action.program) != (own.composition, own.program)
     }
     # Shared actions have the same name in each variant and are merged here. Allocated ones have
     # distinct names.

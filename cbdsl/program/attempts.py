@@ -20,7 +20,8 @@ class Attempt(NamedTuple):
 
     Attributes:
         allocation: Name of the allocation.
-        features: Features by name, at the time of the choice.
+        features: Features by name, at the time of the choice; those undefined then, such as a
+            velocity in the first image, when they were defined first.
         rewarded: True if reward followed before the attempt was given up.
     """
 
@@ -90,6 +91,7 @@ def attempts(transitions: Iterable[Transition], worth: Mapping[str, float]) -> I
             progress.begin()
         if not allocation:
             continue
+        features = {**transition.features, **features}
         if transition.reward or progress.fails(transition.state, transition.next_state):
             yield Attempt(allocation, features, transition.reward > 0)
             allocation = ""

@@ -8,7 +8,7 @@ from pathlib import Path
 from cbdsl.backends.backend import Backend
 from cbdsl.documents.document import Section
 from cbdsl.documents.document_digest import ProgramDigest
-from cbdsl.documents.policy import Provenance
+from cbdsl.documents.policy import Identity, Provenance
 from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -45,6 +45,7 @@ class LearningTask:
         path: Path of the policy, the same for all workers.
         cameras: Kind of the backend's cameras; ``None`` for the backend's default.
         earlier: Knowledge from which the learner goes on, if any.
+        origin: Robot that learned the policy, if another one did.
     """
 
     program: CheckedProgram
@@ -62,6 +63,7 @@ class LearningTask:
     path: Path
     cameras: str | None = None
     earlier: RelationsDocument | None = None
+    origin: Identity | None = None
 
     @property
     def journal(self) -> Path:
@@ -120,5 +122,7 @@ class LearningTask:
         )
 
     def _provenance(self, trial: Trial, renderer: str) -> Provenance:
-        setting = TrialSetting(self.digest, self.robot, self.stage, self.backend, renderer)
+        setting = TrialSetting(
+            self.digest, self.robot, self.stage, self.backend, renderer, self.origin
+        )
         return provenance_of(trial, setting, self.episodes, self.command)

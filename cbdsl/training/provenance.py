@@ -36,6 +36,7 @@ class TrialSetting:
         stage: Stage of the episodes.
         backend: Name of the backend.
         renderer: Name of the renderer of the images.
+        origin: Robot that learned the policy, if another one did.
     """
 
     digest: ProgramDigest
@@ -43,6 +44,7 @@ class TrialSetting:
     stage: StageDocument
     backend: str
     renderer: str
+    origin: Identity | None = None
 
 
 def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: str) -> Provenance:
@@ -72,6 +74,7 @@ def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: s
         parameters=dict(program.parameters),
         actions=tuple(action.name for action in program.actions),
         robot=_identity(setting.robot),
+        origin=setting.origin,
         stage=_identity(setting.stage),
         algorithm=trial.algorithm,
         constants={name: value for name, value in constants.items() if value is not None},

@@ -63,7 +63,8 @@ def test_learn_limits_and_sequential_actions_reach_the_trial(here: Path) -> None
     ("changes", "message"),
     [
         ({"learner": "assimilate"}, "and none is named"),
-        ({"policy": "reachtouch"}, "learns a policy from scratch"),
+        ({"policy": "reachtouch"}, "'dexter' has learned this itself"),
+        ({"policy": "reachtouch", "learner": "accommodate"}, "learns a policy from scratch"),
         ({"learner": "accommodat"}, "did you mean 'accommodate'"),
         ({"constants": {"epsilom": 1}}, "epsilon"),
     ],

@@ -44,8 +44,8 @@ def test_a_schema_is_learned_resumed_and_run(
         ((*LEARN, "--from", "searchtrack"), "serves program 'searchtrack'"),
         ((*LEARN, "--from", "reachtuch"), "did you mean 'reachtouch'"),
         (
-            (*LEARN[:2], "--from", "reachtouch"),
-            "only assimilate and name_relations start from 'reachtouch'",
+            (*LEARN[:2], "--from", "reachtouch", "--learner", "accommodate"),
+            "only assimilate, transfer and name_relations start from 'reachtouch'",
         ),
     ],
 )

@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.document import Section
     from cbdsl.documents.document_digest import ProgramDigest
+    from cbdsl.documents.policy import Identity, PolicyDocument
     from cbdsl.documents.relations import RelationsDocument
+    from cbdsl.documents.schema import SchemaDocument
     from cbdsl.learning.experience import Experience
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.learning_task import LearningTask
@@ -79,20 +81,21 @@ class LearnRequest:
         help="Leave out actions that are compositions.",
         group=_ALGORITHM,
     )
-    learner: str = given(
-        "Name of the algorithm.",
-        default="accommodate",
-        kind=str,
-        help="Learner; cb show learners lists all.",
+    learner: str | None = given(
+        "Name of the algorithm [``transfer`` with a policy, else ``accommodate``].",
+        default=None,
+        kind=str | None,
+        help="Learner; cb show learners lists all [with --from transfer, else accommodate].",
         group=_ALGORITHM,
     )
     policy: str | Path | None = given(
-        "File or name of the policy whose resources ``assimilate`` learns, or of the relations from"
-        " which ``name_relations`` goes on.",
+        "File or name of the policy whose resources ``assimilate`` learns, of the policy or schema"
+        " of another robot for ``transfer``, or of the relations from which ``name_relations`` goes"
+        " on.",
         default=None,
         kind=str | None,
-        help="With assimilate: learned policy of the schema; with name_relations: relations to go "
-        "on from. File or name.",
+        help="Policy or schema of another robot to keep the policy of; with assimilate: learned "
+        "policy of the schema; with name_relations: relations to go on from. File or name.",
         flag="--from",
         group=_ALGORITHM,
     )
@@ -145,6 +148,13 @@ class LearnRequest:
         return read_request(str(self.program), None, None, {})
 
     @property
+    def algorithm(self) -> str:
+        """Name of the learner, given or by default."""
+        from cbdsl.learning.learner import ACCOMMODATE, TRANSFER
+
+        return self.learner or (ACCOMMODATE if self.policy is None else TRANSFER)
+
+    @property
     def path(self) -> Path:
         """File for the policy."""
         return Path(self.out)
@@ -158,7 +168,9 @@ class LearnRequest:
         from cbdsl.learning.constants import read_constants
         from cbdsl.learning.learner import LEARNERS
 
-        return read_constants(LEARNERS.get(self.learner).Constants, self.constants, self.learner)
+        return read_constants(
+            LEARNERS.get(self.algorithm).Constants, self.constants, self.algorithm
+        )
 
     def tasks(self) -> list[LearningTask]:
         """Return one task for each trial, ready to run in any process.
@@ -171,7 +183,7 @@ class LearnRequest:
         from cbdsl.training.learning_task import LearningTask
 
         self.require_sound()
-        program, digest = self._program()
+        program, digest, origin = self._program()
         first = LearningTask(
             program=self._limited(program),
             digest=digest,
@@ -180,7 +192,7 @@ class LearnRequest:
             urdf=self.run.urdf.absolute(),
             stage=self.run.stage,
             backend=engine_of(self),
-            learner=self.learner,
+            learner=self.algorithm,
             constants=self.checked_constants(),
             seed=self.seed,
             number=0,
@@ -189,6 +201,7 @@ class LearnRequest:
             path=self.path.absolute(),
             cameras=self.cameras,
             earlier=self._earlier(),
+            origin=origin,
         )
         if self.trials == 1:
             return [first]
@@ -206,20 +219,21 @@ class LearnRequest:
         """
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.document import NAME_PATTERN
-        from cbdsl.learning.learner import ASSIMILATE, NAME_RELATIONS
+        from cbdsl.learning.learner import ASSIMILATE, NAME_RELATIONS, TRANSFER
 
+        learner = self.algorithm
         if self.path.suffix != ".yaml" or not re.fullmatch(NAME_PATTERN, self.path.stem):
             raise UsageError(f"{self.path}: a policy is <name>.yaml, of letters, digits and _")
         if self.path.is_dir():
             raise UsageError(f"{self.path}: is a folder, and a policy is a file")
-        if self.learner == ASSIMILATE and self.policy is None:
-            raise UsageError("assimilate learns the resources of a policy, and none is named")
-        if self.learner not in (ASSIMILATE, NAME_RELATIONS) and self.policy is not None:
+        if learner in (ASSIMILATE, TRANSFER) and self.policy is None:
+            raise UsageError(f"{learner} learns the resources of a policy, and none is named")
+        if learner not in (ASSIMILATE, TRANSFER, NAME_RELATIONS) and self.policy is not None:
             raise UsageError(
-                f"'{self.learner}' learns a policy from scratch; only {ASSIMILATE} and "
+                f"'{learner}' learns a policy from scratch; only {ASSIMILATE}, {TRANSFER} and "
                 f"{NAME_RELATIONS} start from '{self.policy}'"
             )
-        if self.learner == NAME_RELATIONS:
+        if learner == NAME_RELATIONS:
             self._require_relations()
 
     def _require_relations(self) -> None:
@@ -248,7 +262,7 @@ class LearnRequest:
         """
         from cbdsl.learning.learner import NAME_RELATIONS
 
-        if self.learner != NAME_RELATIONS or self.policy is None:
+        if self.algorithm != NAME_RELATIONS or self.policy is None:
             return None
         from cbdsl.api.reading.relations import read_relations
         from cbdsl.diagnostics.errors import UsageError
@@ -261,28 +275,71 @@ class LearnRequest:
             )
         return earlier
 
-    def _program(self) -> tuple[CheckedProgram, ProgramDigest]:
-        """Return the program to learn, with all its allocations for a policy, and its digest."""
-        from cbdsl.api.requests.run_request import read_policy
+    def _program(self) -> tuple[CheckedProgram, ProgramDigest, Identity | None]:
+        """Return the program to learn, with all its allocations for a policy.
+
+        Returns:
+            Program, its digest, and the other robot that learned the policy, if there is one.
+        """
+        from cbdsl.api.requests.run_request import find_schema, read_policy
         from cbdsl.checking.assimilation import program_to_assimilate
         from cbdsl.checking.knowledge.program_digest import policy_digest, substitute_digests
         from cbdsl.checking.session import Session
-        from cbdsl.learning.learner import ASSIMILATE
+        from cbdsl.learning.learner import ASSIMILATE, TRANSFER
 
-        run = self.run
-        digest = run.digest
-        if self.policy is None or self.learner != ASSIMILATE:
-            return run.program, digest
-        loaded = read_policy(run.program, str(self.policy), run.program_file, run.library)
+        run, is_transfer = self.run, self.algorithm == TRANSFER
+        digest, named = run.digest, str(self.policy)
+        if self.policy is None or self.algorithm not in (ASSIMILATE, TRANSFER):
+            return run.program, digest, None
+        beside, origin = run.program_file, None
+        if is_transfer and (schema := find_schema(run.program, named, beside, run.library)):
+            self._origin(schema.document)
+            named, beside = schema.document.policy, schema.path
+        loaded = read_policy(run.program, named, beside, run.library)
+        self._require_found(loaded.document.name)
+        if is_transfer:
+            origin = self._origin(loaded.document)
         session = Session(run.library)
-        program = program_to_assimilate(run.program_file, loaded, session, run.values)
+        least = 1 if is_transfer else 2
+        program = program_to_assimilate(run.program_file, loaded, session, run.values, least)
         # A schema depends on the policy whose resources it chooses, and on programs that replace
         # others. It becomes stale if one of them changes.
-        own = policy_digest(loaded.document.name, run.program_file, run.library)
+        own = policy_digest(loaded.document.name, self.path, run.library)
         policies = {loaded.document.name: own, **digest.policies}
         allocations = program.schema.allocations if program.schema is not None else {}
         programs = substitute_digests(allocations, run.program_file, run.library)
-        return program, digest._replace(policies=policies, programs=programs)
+        return program, digest._replace(policies=policies, programs=programs), origin
+
+    def _require_found(self, policy: str) -> None:
+        """Check that the schema to be written will find its policy by name.
+
+        Raises:
+            UsageError: It will not.
+        """
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.documents.policy import PolicyDocument
+
+        if self.run.library.find(PolicyDocument, policy, self.path) is None:
+            raise UsageError(
+                f"{self.path}: a schema there does not find its policy '{policy}'; copy that "
+                "beside it or to knowledge/policies, or write the schema where the policy is"
+            )
+
+    def _origin(self, knowledge: PolicyDocument | SchemaDocument) -> Identity | None:
+        """Return the robot that learned a policy or a schema; ``None`` for a written one.
+
+        Raises:
+            UsageError: The program runs on that robot.
+        """
+        from cbdsl.diagnostics.errors import UsageError
+
+        origin = None if knowledge.provenance is None else knowledge.provenance.robot
+        if origin is not None and origin.name == self.run.robot.name:
+            raise UsageError(
+                f"{self.policy}: robot '{origin.name}' has learned this itself; name another "
+                "one by --robot, or learn the resources of its policy by --learner assimilate"
+            )
+        return origin
 
     def _limited(self, program: CheckedProgram) -> CheckedProgram:
         """Return the program with the actions and limits of the trials."""

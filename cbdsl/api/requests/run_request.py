@@ -7,11 +7,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.types.role import ROBOT
+
 if TYPE_CHECKING:
     from cbdsl.documents.document import Document
     from cbdsl.documents.document_digest import ProgramDigest
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.schema import SchemaDocument
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.yaml_text.library import Library
@@ -284,13 +287,49 @@ def read_policy(
     # Recordings and policies both come from commands, so that one is easily named for the other.
     if _is_recording(file):
         raise UsageError(f"{file}: this is not a policy document; it looks like a recording")
-    require_clean(file, library)
+    require_clean(file, library, {ROBOT: program.robot, **program.parameters})
     loaded = library.read(file, PolicyDocument)
-    if loaded.document.program != program.name:
-        raise UsageError(
-            f"{file}: this policy serves program '{loaded.document.program}', not '{program.name}'"
-        )
+    _require_served(file, loaded.document, program)
     return loaded
+
+
+def find_schema(
+    program: CheckedProgram, name: str, program_file: Path, library: Library
+) -> Loaded[SchemaDocument] | None:
+    """Return the schema of a program on any robot, or ``None`` if the name is not one of a schema.
+
+    Args:
+        program: Program that the schema serves.
+        name: File, or name beside the program or in the current folder.
+        program_file: Document of the program.
+        library: Library that finds documents by name.
+
+    Raises:
+        DiagnosticsError: The file cannot be read.
+        UsageError: The schema is of another program.
+    """
+    from cbdsl.documents.document import Document
+    from cbdsl.documents.schema import SchemaDocument
+
+    by_name = (library.find(SchemaDocument, name, at) for at in (program_file, library.here / name))
+    file = next((each for each in by_name if each is not None), Path(name))
+    document = library.read(file, Document).document if file.is_file() else None
+    if not isinstance(document, SchemaDocument):
+        return None
+    _require_served(file, document, program)
+    return library.read(file, SchemaDocument)
+
+
+def _require_served(
+    file: Path, knowledge: PolicyDocument | SchemaDocument, program: CheckedProgram
+) -> None:
+    from cbdsl.diagnostics.errors import UsageError
+
+    if knowledge.program != program.name:
+        raise UsageError(
+            f"{file}: this {knowledge.kind} serves program '{knowledge.program}', "
+            f"not '{program.name}'"
+        )
 
 
 def _as_schema(
@@ -307,20 +346,18 @@ def _as_schema(
     from cbdsl.checking.schema import checked_schema
     from cbdsl.checking.session import Session
     from cbdsl.diagnostics.diagnostics import Diagnostics
-    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+    from cbdsl.diagnostics.errors import DiagnosticsError
     from cbdsl.diagnostics.outcome import Unknown
     from cbdsl.documents.schema import SchemaDocument
 
     file = _locate(SchemaDocument, name, program_file, library)
-    require_clean(file, library)
+    on_robot = {ROBOT: program.robot, **values}
+    require_clean(file, library, {ROBOT: program.robot})
     # The next check has the given values of parameters, which `require_clean` does not know.
     loaded, diagnostics = library.read(file, SchemaDocument), Diagnostics()
-    if loaded.document.program != program.name:
-        raise UsageError(
-            f"{file}: this schema is of program '{loaded.document.program}', not '{program.name}'"
-        )
+    _require_served(file, loaded.document, program)
     session = Session(library)
-    checked = checked_schema(loaded, session, diagnostics, examiner(session), values)
+    checked = checked_schema(loaded, session, diagnostics, examiner(session), on_robot)
     if isinstance(checked, Unknown):
         raise DiagnosticsError(causes_first(diagnostics.sorted(), library))
     return checked

@@ -14,11 +14,13 @@ from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.language.parser import parse
 from cbdsl.language.scanner import CompositionError
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import POSITION
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
@@ -35,13 +37,61 @@ def with_policy(
         loaded: Policy without diagnostics.
         library: Library that finds its models by name.
     """
+    return with_models(
+        program._replace(policy=loaded.document.policy, is_learned=True), loaded, library
+    )
+
+
+def with_models(
+    program: CheckedProgram,
+    loaded: Loaded[PolicyDocument] | Loaded[SchemaDocument],
+    library: Library,
+) -> CheckedProgram:
+    """Return a program that draws from the internal models of its robot that knowledge names.
+
+    Args:
+        program: Program with other models.
+        loaded: Knowledge without diagnostics.
+        library: Library that finds its models by name.
+    """
     sources = {}
     for name, model in loaded.document.models.items():
         path = library.find(ModelDocument, model, loaded.path)
-        assert path is not None, "a policy without findings names models that are there"
+        assert path is not None, "knowledge without findings names models that are there"
         document = library.read(path, ModelDocument).document
-        sources[name] = density_source(document.effector, document.density)
-    return bind(program._replace(policy=loaded.document.policy, is_learned=True), sources)
+        if document.robot == program.robot:
+            sources[name] = density_source(document.effector, document.density)
+    return bind(program, sources)
+
+
+def check_models(
+    loaded: Loaded[PolicyDocument] | Loaded[SchemaDocument],
+    program: CheckedProgram,
+    session: Session,
+    diagnostics: Diagnostics,
+) -> None:
+    """Check that the internal models that knowledge names are those of its program."""
+    source, known = loaded.source, internal_models(program)
+    for name, model in loaded.document.models.items():
+        if name not in known:
+            details = {"program": program.name, "name": name}
+            diagnostics.add("CB623", source.key("models", name), names=list(known), **details)
+            continue
+        place = source.place("models", name)
+        path = find_document(
+            ModelDocument, model, place, session.library, diagnostics, program.robot
+        )
+        found = session.read(path, ModelDocument, diagnostics)
+        if isinstance(found, Unknown):
+            continue
+        examine_model(found, session, diagnostics)
+        document, effector = found.document, name.partition(".")[0]
+        is_place, draws_place = document.space == "position", known[name].type == POSITION
+        if document.effector != effector or is_place != draws_place:
+            other = f"{document.effector}.position" if is_place else document.effector
+            effector = f"{effector}.position" if draws_place else effector
+            details = {"model": model, "other": other, "name": name}
+            diagnostics.add("CB624", place, effector=effector, **details)
 
 
 def check_policy(
@@ -83,22 +133,29 @@ class _PolicyCheck:
             policy = self._document.policy
             check_possible(policy, self._program, self._source, self._diagnostics)
         self._observed()
-        known = internal_models(self._program)
-        for name, model in self._document.models.items():
-            self._model(name, model, known)
+        # A policy over roles serves other robots, which have internal models of their own.
+        if self._home == self._program.robot:
+            check_models(self._loaded, self._program, self._session, self._diagnostics)
+
+    @property
+    def _home(self) -> str:
+        """Robot that learned the policy; that of the program if it was written."""
+        provenance = self._document.provenance
+        return self._program.robot if provenance is None else provenance.robot.name
 
     def _unchanged(self, program_file: Path) -> None:
         """Check that the program is the one for which the policy was learned."""
         # Only learned policies need it.
         from cbdsl.checking.knowledge.program_digest import program_digest
 
-        provenance = self._document.provenance
+        provenance, library = self._document.provenance, self._session.library
         if provenance is None:
             return
-        learned, now = (
-            provenance.program,
-            program_digest(program_file, self._session.library, self._program.robot).sha256,
-        )
+        roles = library.read_as_written(program_file, ProgramDocument).document.roles
+        if roles and library.find(RobotDocument, self._home, program_file) is None:
+            return  # the program on the robot of the learning is unknown
+        now = program_digest(program_file, library, self._home).sha256
+        learned = provenance.program
         if (learned.name, learned.sha256) != (self._program.name, now):
             place = self._source.place("provenance", "program", "sha256")
             details = {"program": self._program.name, "command": provenance.command}
@@ -145,25 +202,3 @@ class _PolicyCheck:
             given, wanted = count(len(state), "letter"), count(len(members), "predicate")
             place, names = self._source.key(*steps), ", ".join(members)
             self._diagnostics.add("CB611", place, found=given, wanted=wanted, members=names)
-
-    def _model(self, name: str, model: str, known: dict[str, Resource]) -> None:
-        source, library = self._source, self._session.library
-        if name not in known:
-            details = {"program": self._program.name, "name": name}
-            self._diagnostics.add("CB623", source.key("models", name), names=list(known), **details)
-            return
-        place = source.place("models", name)
-        path = find_document(
-            ModelDocument, model, place, library, self._diagnostics, self._program.robot
-        )
-        loaded = self._session.read(path, ModelDocument, self._diagnostics)
-        if isinstance(loaded, Unknown):
-            return
-        examine_model(loaded, self._session, self._diagnostics)
-        document, effector = loaded.document, name.partition(".")[0]
-        is_place, draws_place = document.space == "position", known[name].type == POSITION
-        if document.effector != effector or is_place != draws_place:
-            other = f"{document.effector}.position" if is_place else document.effector
-            effector = f"{effector}.position" if draws_place else effector
-            details = {"model": model, "other": other, "name": name}
-            self._diagnostics.add("CB624", place, effector=effector, **details)

@@ -1,0 +1,36 @@
+"""Robot with which knowledge of a program over roles is checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.types.role import ROBOT
+
+
+def home_values(
+    knowledge: PolicyDocument | SchemaDocument, program: Path, session: Session
+) -> dict[str, str]:
+    """Return the robot of the session, or the one that learned, with the effectors in the roles.
+
+    Args:
+        knowledge: Learned or written knowledge.
+        program: File of its program.
+        session: Session with the documents read so far.
+
+    Returns:
+        Values by parameter; empty for a program of one robot, or if the robot is not at hand.
+    """
+    roles = session.library.read_as_written(program, ProgramDocument).document.roles
+    given = {key: v for key, v in session.values.items() if roles and key in (ROBOT, *roles)}
+    learned = knowledge.provenance
+    if not roles or learned is None or ROBOT in given:
+        return given
+    if session.library.find(RobotDocument, learned.robot.name, program) is None:
+        return given
+    chosen = {key: value for key, value in learned.parameters.items() if key in roles}
+    return {ROBOT: learned.robot.name, **chosen, **given}
