@@ -78,8 +78,8 @@ def learn(
 
 def per_transition(episodes: Iterable[Episode]) -> float:
     """Return the reward per state transition."""
-    rewards, transitions = zip(*episodes, strict=True)
-    return sum(rewards) / sum(transitions)
+    every = [*episodes]
+    return sum(each.reward for each in every) / sum(each.transitions for each in every)
 
 
 def main() -> None:

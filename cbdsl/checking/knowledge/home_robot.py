@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.schema import SchemaDocument
 from cbdsl.types.role import ROBOT
+
+if TYPE_CHECKING:
+    from cbdsl.documents.schema import SchemaDocument
 
 
 def home_values(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cbdsl.checking.knowledge.impossible_states import check_possible
 from cbdsl.checking.knowledge.model import examine_model
@@ -16,7 +17,6 @@ from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.schema import SchemaDocument
 from cbdsl.language.parser import parse
 from cbdsl.language.scanner import CompositionError
 from cbdsl.program.binding import bind, density_source, internal_models
@@ -25,6 +25,9 @@ from cbdsl.types.resource_type import POSITION
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
+
+if TYPE_CHECKING:
+    from cbdsl.documents.schema import SchemaDocument
 
 
 def with_policy(

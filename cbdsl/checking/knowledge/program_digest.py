@@ -148,7 +148,8 @@ def _pairs(name: str | None, beside: Path, library: Library) -> str:
 def _allocated(program: str, name: str, beside: Path, reader: _Bound) -> str:
     """Return the digest of a used program with its allocating schema and the schema's policy."""
     schema = _read_schema(name, beside, reader.library)
-    return digest(schema, _HISTORY) + _whole(program, schema.policy, beside, reader)
+    models = "".join(_model(each, beside, reader.library) for each in schema.models.values())
+    return digest(schema, _HISTORY) + models + _whole(program, schema.policy, beside, reader)
 
 
 def _read_schema(name: str, beside: Path, library: Library) -> SchemaDocument:
