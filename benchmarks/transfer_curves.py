@@ -1,10 +1,10 @@
 """Curves of rewards of two arms: learned from scratch, and with the policy of one arm.
 
-From scratch, two Pandas learn a policy with one arm in the middle of a bench (ACCOMMODATE), then
-the allocation of arms on the whole bench (ASSIMILATE, Section 5.4). By transfer, they have the
-policy of a single Panda, the best of three by its last ten episodes, and learn the allocation from
-the first episode on. Each row is the reward per state transition, as in Figure 5.8, which counts
-failed detours too; the last rows are sums over all episodes.
+From scratch, two Pandas first learn a policy with one arm in the middle of a bench (ACCOMMODATE).
+They then learn the allocation of arms on the whole bench (ASSIMILATE, Section 5.4). By transfer,
+they keep the policy of a single Panda, the best of three by its last ten episodes. They learn the
+allocation from the first episode on. Each row is the reward per state transition (Figure 5.8),
+which counts detours, too. The last rows are sums over all episodes.
 
     python benchmarks/transfer_curves.py [--trials 3] [--episodes 40] [--policy 25]
 """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def home_values(
     knowledge: PolicyDocument | SchemaDocument, program: Path, session: Session
 ) -> dict[str, str]:
-    """Return the robot of the session, or the one that learned, with the effectors in the roles.
+    """Return the robot of the session or of the learning, with the effectors in the roles.
 
     Args:
         knowledge: Learned or written knowledge.

@@ -84,11 +84,11 @@ def check_models(
         path = find_document(
             ModelDocument, model, place, session.library, diagnostics, program.robot
         )
-        found = session.read(path, ModelDocument, diagnostics)
-        if isinstance(found, Unknown):
+        read = session.read(path, ModelDocument, diagnostics)
+        if isinstance(read, Unknown):
             continue
-        examine_model(found, session, diagnostics)
-        document, effector = found.document, name.partition(".")[0]
+        examine_model(read, session, diagnostics)
+        document, effector = read.document, name.partition(".")[0]
         is_place, draws_place = document.space == "position", known[name].type == POSITION
         if document.effector != effector or is_place != draws_place:
             other = f"{document.effector}.position" if is_place else document.effector
