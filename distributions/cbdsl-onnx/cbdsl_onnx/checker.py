@@ -23,6 +23,7 @@ from cbdsl.extend.document import (
     digest_of_bytes,
     find_document,
 )
+from cbdsl.extend.source import TYPES
 from cbdsl_onnx import network
 from cbdsl_onnx.model_file import ModelFacts, ModelFileError, TensorFacts, examine
 from cbdsl_onnx.network import InputSection, NetworkDocument, NormalisedSection
@@ -57,7 +58,12 @@ def check(loaded: Loaded[NetworkDocument], session: Session, diagnostics: Diagno
 def resources(
     alias: str, loaded: Loaded[NetworkDocument], body: CheckedRobot, diagnostics: Diagnostics
 ) -> Outcome[tuple[Resource, ...]]:
-    """Return the resource ``<effector>.<alias>`` that a network computes; unknown with faults."""
+    """Return the resources of a network; unknown with faults.
+
+    Returns:
+        Its output ``<effector>.<alias>``, and for positions ``<effector>.<alias>.withheld``: the
+        distance by which the feedback stays behind it.
+    """
     plan = _Check(loaded, body, diagnostics).plan()
     if isinstance(plan, Unknown):
         return UNKNOWN
@@ -72,7 +78,12 @@ def resources(
         tuple(dict.fromkeys(features)),
         plan,
     )
-    return (Resource(f"{effector}.{alias}", feedback.type, Origin.ENVIRONMENT, source),)
+    output = Resource(f"{effector}.{alias}", feedback.type, Origin.ENVIRONMENT, source)
+    if feedback.type.name != "position":
+        return (output,)
+    behind = source._replace(reader="cbdsl_onnx.withheld:reader", features=(feedback, output))
+    name = f"{output.name}.withheld"
+    return output, Resource(name, TYPES["length"], Origin.ENVIRONMENT, behind)
 
 
 def size_of(resource: Resource) -> int:

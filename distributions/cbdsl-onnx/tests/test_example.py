@@ -126,14 +126,7 @@ def test_program_of_the_example_falls_back_from_an_undefined_network(tmp_path: P
     assert result.actions[-1] == "above ◁ keep_out ◁ force"
 
 
-FAR = pytest.mark.xfail(
-    reason="far above its demonstrations, the network leads the tip along the guard", strict=False
-)
-
-
-@pytest.mark.parametrize(
-    ("height", "seed"), [("-19 cm", 1_003), pytest.param("-5 cm", SEED, marks=FAR)]
-)
+@pytest.mark.parametrize(("height", "seed"), [("-19 cm", 1_003), ("-5 cm", SEED)])
 def test_program_of_the_example_falls_back_from_a_network_that_a_guard_holds(
     height: str, seed: int, tmp_path: Path
 ) -> None:

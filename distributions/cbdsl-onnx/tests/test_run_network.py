@@ -73,6 +73,45 @@ def test_run_of_a_network_below_a_guard_ends_at_it(gives: str, tmp_path: Path) -
     assert "held by keep_out" in reason
 
 
+def withheld(folder: Path, gives: str, output: list[float]) -> list[float]:
+    """Return the distances by which the tip stays behind a network, m, tick by tick."""
+    write(folder, "moved", linear(np.zeros((3, 3)), output), output={**OUTPUT, "gives": gives})
+    condition = "conditions: {behind: right_arm.net.withheld > 3 cm for 0.2 s}\n"
+    text = PROGRAM.partition("actions:")[0] + condition + STEPS
+    (folder / "follow.yaml").write_text(text)
+    loaded, found = cbdsl.load(folder / "follow.yaml"), list[float]()
+    behind = loaded.program.conditions["behind"].resources[0]
+
+    def note(tick: Any) -> None:
+        acts = tick.run.action is not None and "policy" in tick.run.action.name
+        reading = tick.signals.read(behind) if acts else None
+        if reading is not None:
+            found.append(float(reading.value[0]))
+
+    (result,) = cbdsl.run(loaded, backend="kinematic", on_tick=note)
+    return [*found, float(result.outcome == "success")]
+
+
+STEPS = """
+steps:
+  begin: {do: start, then: policy}
+  policy: {do: policy ◁ keep_out ◁ force, exits: [behind: succeed]}
+limits: {episode_time: 6 s}
+"""
+
+
+@pytest.mark.parametrize("gives", ["target", "displacement", "velocity"])
+def test_network_that_a_guard_holds_back_is_withheld(gives: str, tmp_path: Path) -> None:
+    output = [0.45, -0.25, -0.3] if gives == "target" else [0.0, 0.0, -0.3]
+    *_, last, has_ended = withheld(tmp_path, gives, output)
+    assert has_ended and last > 0.03
+
+
+def test_network_that_moves_freely_is_not_withheld(tmp_path: Path) -> None:
+    *found, has_ended = withheld(tmp_path, "velocity", [0.0, 0.02, 0.02])
+    assert not has_ended and max(found) < 0.01
+
+
 def test_run_without_a_finite_output_is_undefined_and_still(tmp_path: Path) -> None:
     # The product overflows float32, although the weights are finite.
     places, reason = run(tmp_path, linear(np.full((3, 3), 3e38), np.full(3, 3e38)))
