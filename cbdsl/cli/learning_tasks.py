@@ -70,13 +70,7 @@ def side_by_side(tasks: Sequence[LearningTask], workers: int, scheduler: str | N
 
     with _progress(tasks, at_once=workers) as progress, _explained(*tasks):
         supervision = Supervision(tasks, progress)
-        try:
-            run_all(tasks, workers, scheduler, supervision)
-        except ModuleNotFoundError as error:
-            raise UsageError(
-                f"--scheduler needs {error.name}, which is not installed: "
-                "pip install 'cbdsl[learn]'"
-            ) from error
+        run_all(tasks, workers, scheduler, supervision)
     supervision.conclude()
 
 

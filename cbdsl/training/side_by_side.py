@@ -1,14 +1,30 @@
-"""Parallel tasks: in processes of this machine, or on a Dask cluster."""
+"""Parallel tasks: in processes of this machine, or on a cluster."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias, TypeVar
 
 from cbdsl.training.task import Task
 from cbdsl.training.workers.local_workers import Supervisor, run_on_workers
+from cbdsl.types.registry import PluginError, Registry
 
 J = TypeVar("J", bound=Task)
+
+Cluster: TypeAlias = Callable[[Sequence[Any], str, Supervisor[Any]], None]
+"""Function that runs tasks on the cluster of an address, and reports to a supervisor."""
+
+
+def _validate(_: str, entry: Any) -> Cluster:
+    if not callable(entry):
+        raise PluginError(f"is a {type(entry).__name__}, and no function")
+    cluster: Cluster = entry
+    return cluster
+
+
+CLUSTERS: Registry[Cluster] = Registry(
+    "cluster", "cbdsl.clusters", {}, _validate, providers={"dask": "cbdsl[learn]"}
+)
 
 
 def run_all(
@@ -19,16 +35,14 @@ def run_all(
     Args:
         tasks: Tasks, such as trials.
         workers: Number of processes of one thread each, on this machine.
-        scheduler: Address of a cluster instead, whose workers see the same files.
+        scheduler: Address of a Dask cluster instead, whose workers see the same files.
         supervisor: Observer of their outcomes.
 
     Raises:
-        UsageError: If the cluster is not there, goes away, or has no workers for too long.
-        ModuleNotFoundError: If the cluster needs a package that is not installed.
+        UsageError: If the cluster is not there or not installed, goes away, or has no workers for
+            too long.
     """
     if scheduler is None:
         run_on_workers(tasks, workers, supervisor)
-        return
-    from cbdsl.training.workers.cluster import run_on_cluster
-
-    run_on_cluster(tasks, scheduler, supervisor)
+    else:
+        CLUSTERS.get("dask")(tasks, scheduler, supervisor)

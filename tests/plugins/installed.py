@@ -18,6 +18,7 @@ from cbdsl.reporting.export_format import EXPORTS
 from cbdsl.robot.driver_kind import DRIVERS
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.scaffold.model_format import MODEL_FORMATS
+from cbdsl.training.side_by_side import CLUSTERS
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.registry import Registry
@@ -32,6 +33,7 @@ REGISTRIES: tuple[Registry[Any], ...] = (
     DRIVERS,
     COMMANDS,
     EXPORTS,
+    CLUSTERS,
     MODEL_FORMATS,
 )
 

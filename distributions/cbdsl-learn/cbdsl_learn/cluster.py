@@ -17,11 +17,15 @@ import dask.config
 from distributed import Client, Future, KilledWorker, get_worker, wait
 from distributed.core import Status
 
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.training.provenance import versions
-from cbdsl.training.task import AbandonedError, Task, run_task
-from cbdsl.training.task_observer import TaskObserver
-from cbdsl.training.workers.local_workers import Supervisor
+from cbdsl.extend.cluster import (
+    AbandonedError,
+    Supervisor,
+    Task,
+    TaskObserver,
+    UsageError,
+    run_task,
+    versions,
+)
 
 J = TypeVar("J", bound=Task)
 

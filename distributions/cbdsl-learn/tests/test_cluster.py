@@ -27,7 +27,7 @@ from tests.training.tasks import made_tasks, outcome, run_here
 
 distributed = pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
 
-from cbdsl.training.workers.cluster import run_on_cluster, work  # noqa: E402
+from cbdsl_learn.cluster import run_on_cluster, work  # noqa: E402
 
 TRIALS, EPISODES = 3, 12
 ENDLESS = 1_000_000
@@ -211,7 +211,7 @@ LEARN = """
 import sys
 from pathlib import Path
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.training.workers.cluster import run_on_cluster
+from cbdsl_learn.cluster import run_on_cluster
 from tests.training.tasks import made_tasks
 from tests.training.notes import Notes
 if __name__ == "__main__":

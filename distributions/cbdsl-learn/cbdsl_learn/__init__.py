@@ -1,0 +1,1 @@
+"""Trials of learning on a Dask cluster."""
