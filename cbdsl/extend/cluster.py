@@ -1,9 +1,9 @@
 """Clusters: trials on other machines, for the entry-point group ``cbdsl.clusters``.
 
 An entry is a function of tasks, the address of a scheduler, and a ``Supervisor``; ``--scheduler``
-calls the entry ``dask``. It runs each task by ``run_task`` in a process of one thread with the
-``versions`` of the caller, reports outcomes, and raises ``UsageError`` if the cluster is not there,
-goes away, or has no workers. The contract test is ``cbdsl.extend.contract.test_cluster``.
+calls the entry ``dask``. It runs each task by ``run_task`` in a process of one thread, with the
+``versions`` of the caller, and reports its outcome. It raises ``UsageError`` if the cluster is not
+there, goes away, or has no workers. The contract test is ``cbdsl.extend.contract.test_cluster``.
 """
 
 from __future__ import annotations
