@@ -48,7 +48,7 @@ def _measure(
     view = pair.width, pair.height, pair.vertical_angle
     with (
         tempfile.TemporaryDirectory() as folder,
-        closing(RobosuiteProcess(task.name, arm, RATE, places, view)) as process,
+        closing(RobosuiteProcess(task.name, [arm] * task.arms, RATE, places, view)) as process,
     ):
         name = f"robosuite_{arm.lower()}"
         write_robot(name, process, pair, Path(folder))

@@ -62,9 +62,13 @@ class RobosuiteBackend:
         ]
         self._links = [robot.load_cells[hand][finger].link for hand, finger in self._cells]
         self._per_image = max(1, round(robot.control.rate / robot.vision.rate))
-        (hand,) = robot.load_cells
-        self._hand_rows, self._stroke = self._joints.of(hand), robot.effectors[hand].postures
-        self._arm_rows = np.delete(np.arange(len(self._joints.names)), self._hand_rows)
+        self._hands = [
+            (self._joints.of(hand), robot.effectors[hand].postures) for hand in robot.load_cells
+        ]
+        # Arms and hands are in the order of the robots of the task.
+        self._arms = [
+            self._joints.of(each) for each in robot.effectors if each not in robot.load_cells
+        ]
         self.succeeded = self.ever_succeeded = False
 
     def reset(
@@ -94,10 +98,11 @@ class RobosuiteBackend:
         """Let one control period pass."""
         self._process.ask(
             "step",
-            arm=self._reference[self._arm_rows].tolist(),
-            closing=stroke_share(
-                self._reference[self._hand_rows], self._stroke["open"], self._stroke["closed"]
-            ),
+            arms=[self._reference[rows].tolist() for rows in self._arms],
+            closing=[
+                stroke_share(self._reference[rows], stroke["open"], stroke["closed"])
+                for rows, stroke in self._hands
+            ],
         )
         self._tick += 1
         self._observation = self._sense()

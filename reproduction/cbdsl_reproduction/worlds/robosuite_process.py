@@ -6,7 +6,7 @@ import json
 import os
 import subprocess
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ class RobosuiteProcess:
 
     Args:
         task: Name of the environment of robosuite.
-        arm: Name of the robot.
+        arms: Names of the robots.
         rate: Control rate, Hz.
         cameras: Position and orientation of the cameras by name.
         view: Width and height of an image, px, and vertical angle of view, deg.
@@ -54,7 +54,7 @@ class RobosuiteProcess:
     def __init__(
         self,
         task: str,
-        arm: str,
+        arms: Sequence[str],
         rate: float,
         cameras: Mapping[str, Mapping[str, list[float]]],
         view: tuple[int, int, float],
@@ -72,7 +72,7 @@ class RobosuiteProcess:
             stderr=self._problems,
             env=environment,
         )
-        self._write({"task": task, "arm": arm, "rate": rate, "cameras": cameras, "view": view})
+        self._write({"task": task, "arms": arms, "rate": rate, "cameras": cameras, "view": view})
 
     def ask(self, do: str, **request: Any) -> tuple[dict[str, Any], bytes]:
         """Return the answer to a request, and the bytes of its images.

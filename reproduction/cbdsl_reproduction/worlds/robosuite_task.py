@@ -17,8 +17,9 @@ class RobosuiteTask(NamedTuple):
         name: Name of the environment.
         program_name: Name of the program, which is over roles and names no robot.
         middle: Middle of the cameras' view, m, world frame of robosuite.
-        features: Bodies of the task by the colour as which ideal cameras see them.
+        features: Bodies or geoms of the task by the colour as which ideal cameras see them.
         least: Least share of successes that is aimed at.
+        arms: Number of equal arms.
     """
 
     name: str
@@ -26,6 +27,7 @@ class RobosuiteTask(NamedTuple):
     middle: tuple[float, float, float]
     features: Mapping[str, tuple[str, ...]]
     least: float
+    arms: int = 1
 
     @property
     def program(self) -> Path:
@@ -35,6 +37,7 @@ class RobosuiteTask(NamedTuple):
 
 _TABLE = (0.0, 0.0, 0.85)
 _BINS = (0.1, 0.0, 0.85)
+_PEGS = (0.05, 0.0, 0.85)
 _ALL = (
     RobosuiteTask("Lift", "lift", _TABLE, {"red": ("cube_main",)}, 0.95),
     RobosuiteTask(
@@ -46,6 +49,36 @@ _ALL = (
         _BINS,
         {"red": ("Can_main",), "green": ("VisualCan_main",)},
         0.95,
+    ),
+    RobosuiteTask(
+        "NutAssemblySquare",
+        "nut_assembly",
+        _PEGS,
+        {
+            "red": ("SquareNut_g4_visual",),
+            "blue": tuple(f"SquareNut_g{side}_visual" for side in range(4)),
+            "green": ("peg1",),
+        },
+        0.9,
+    ),
+    RobosuiteTask(
+        "NutAssemblyRound",
+        "nut_assembly_round",
+        _PEGS,
+        {
+            "red": ("RoundNut_g8_visual",),
+            "blue": tuple(f"RoundNut_g{side}_visual" for side in range(8)),
+            "green": ("peg2",),
+        },
+        0.9,
+    ),
+    RobosuiteTask(
+        "TwoArmLift",
+        "lift_with_two",
+        _TABLE,
+        {"green": ("pot_handle0_c_vis",), "blue": ("pot_handle1_c_vis",)},
+        0.9,
+        arms=2,
     ),
 )
 

@@ -33,11 +33,11 @@ _CONTACTS, _IMAGES, _SURFACES, _OUTLINES = 0, 1, 4, 5
 
 
 class RobosuiteWorld:
-    """One task of robosuite with one arm.
+    """One task of robosuite with one arm, or with several.
 
     Args:
         task: Name of the environment.
-        arm: Name of the robot.
+        arms: Names of the robots.
         rate: Control rate, Hz.
         cameras: Position and orientation (xyz axes by columns) of the cameras, by name.
         view: Width and height of an image, px, and vertical angle of view, deg.
@@ -46,12 +46,12 @@ class RobosuiteWorld:
     def __init__(
         self,
         task: str,
-        arm: str,
+        arms: list[str],
         rate: float,
         cameras: dict[str, dict[str, list[float]]],
         view: tuple[int, int, float],
     ) -> None:
-        self._task, self._arm, self._rate = task, arm, rate
+        self._task, self._arms, self._rate = task, arms, rate
         self._cameras, self._view = cameras, view
         self._env: Any = None
         self._renderer: mujoco.Renderer | None = None
@@ -60,21 +60,10 @@ class RobosuiteWorld:
     def reset(self, seed: int) -> None:
         """Make the environment anew, so that equal seeds give equal episodes."""
         self.close()
-        config = load_composite_controller_config(controller="BASIC", robot=self._arm)
-        config["body_parts"][_SIDE].update(
-            type="JOINT_POSITION",
-            input_type="absolute",
-            kp=_GAIN,
-            damping_ratio=_DAMPING,
-            output_max=1,
-            output_min=-1,
-            interpolation="linear",
-            ramp_ratio=1.0,
-        )
         self._env = robosuite.make(
             self._task,
-            robots=self._arm,
-            controller_configs=config,
+            robots=self._arms,
+            controller_configs=[_servos(arm) for arm in self._arms],
             has_renderer=False,
             has_offscreen_renderer=False,
             use_camera_obs=False,
@@ -94,8 +83,7 @@ class RobosuiteWorld:
                 own = {_CONTACTS: _OUTLINES, _IMAGES: _SURFACES}
                 group = int(self.model.geom_group[geom])
                 self.model.geom_group[geom] = own.get(group, group)
-        (self._robot,) = self._env.robots
-        self._hand = SharedGripper(self._robot)
+        self._hands = [SharedGripper(robot) for robot in self._env.robots]
 
     def close(self) -> None:
         """Free the environment and its renderer."""
@@ -116,16 +104,19 @@ class RobosuiteWorld:
         """State of MuJoCo."""
         return self._env.sim.data._data
 
-    def step(self, arm: list[float], closing: float) -> None:
+    def step(self, arms: list[list[float]], closing: list[float]) -> None:
         """Let one control period pass.
 
         Args:
-            arm: References of the joints of the arm, rad, shape (n,).
-            closing: Reference of the hand, from 0 (open) to 1 (closed).
+            arms: References of the joints of each arm, rad, shape (n,).
+            closing: Reference of each hand, from 0 (open) to 1 (closed).
         """
-        self._hand.share = closing
-        parts = {_SIDE: np.array(arm), self._hand.part: np.zeros(self._hand.gripper.dof)}
-        self._env.step(self._robot.create_action_vector(parts))
+        actions = []
+        for hand, arm, share in zip(self._hands, arms, closing, strict=True):
+            hand.share = share
+            parts = {_SIDE: np.array(arm), hand.part: np.zeros(hand.gripper.dof)}
+            actions.append(hand.robot.create_action_vector(parts))
+        self._env.step(np.concatenate(actions))
 
     def success(self) -> bool:
         """Return the verdict of the task's own test."""
@@ -179,7 +170,7 @@ class RobosuiteWorld:
         """Return an image for each camera: the number of the feature of each pixel, from 1.
 
         Args:
-            features: Names of bodies by feature; bodies that they carry belong to them.
+            features: Names of bodies or geoms by feature; bodies that they carry belong to them.
         """
         renderer = self._ready_renderer()
         if self._owners is None:
@@ -197,7 +188,10 @@ class RobosuiteWorld:
 
     def _features_of_geoms(self, features: dict[str, list[str]]) -> Any:
         owners = np.zeros(self.model.ngeom + 1, np.uint8)
-        lines = [self._line(body) for body in self.model.geom_bodyid]
+        lines = [
+            self._line(body) | {self.model.geom(geom).name}
+            for geom, body in enumerate(self.model.geom_bodyid)
+        ]
         for number, bodies in enumerate(features.values(), start=1):
             for geom, line in enumerate(lines):
                 if line & set(bodies):
@@ -251,17 +245,21 @@ class RobosuiteWorld:
         return ET.tostring(root, encoding="unicode")
 
     def robot_model(self) -> str:
-        """Return the robot alone as MJCF, with its hand's measured couplings and the cameras.
+        """Return the arms alone as MJCF, with their hands' measured couplings and the cameras.
 
         The closed chains and tendons of a gripper are replaced by couplings of joints: each joint
         follows one with an actuator, as in a gripper that closes on nothing.
         """
-        root = ET.fromstring(self._robot.robot_model.get_xml())
+        root, *others = (ET.fromstring(hand.robot.robot_model.get_xml()) for hand in self._hands)
+        for other in others:
+            for section in other:
+                _section(root, section.tag).extend(section)
         for name in ("sensor", "tendon", "equality", "keyframe"):
             for section in root.findall(name):
                 root.remove(section)
         _keep_tips(root)
-        self._couple(root)
+        for leader, followers in self.couplings():
+            self._couple(root, leader, followers)
         for name, place in self._cameras.items():
             axes = np.reshape(place["axes"], (3, 3))
             body = ET.SubElement(_section(root, "worldbody"), "body", name=f"{name}_camera")
@@ -269,13 +267,13 @@ class RobosuiteWorld:
             body.set("xyaxes", _text([*axes[:, 0], *axes[:, 1]]))
         return ET.tostring(root, encoding="unicode")
 
-    def _couple(self, root: ET.Element) -> None:
-        """Replace the actuators of the hand by a leading joint and couplings."""
+    def _couple(self, root: ET.Element, leader: Stroke, followers: list[Stroke]) -> None:
+        """Replace the actuators of the hands by a leading joint and couplings."""
         actuators = _section(root, "actuator")
+        replaced = {name for hand in self._hands for name in hand.gripper.actuators}
         for actuator in list(actuators):
-            if actuator.get("name") in self._hand.gripper.actuators:
+            if actuator.get("name") in replaced:
                 actuators.remove(actuator)
-        leader, followers = self.couplings()
         for joint in root.iter("joint"):
             if joint.get("name") == leader.name:
                 joint.set("range", _text(sorted((leader.open, leader.closed))))
@@ -290,21 +288,25 @@ class RobosuiteWorld:
             coupling.set("joint2", leader.name)
             coupling.set("polycoef", f"{start - first:.9g} {ratio:.9g} 0 0 0")
 
-    def couplings(self) -> tuple[Stroke, list[Stroke]]:
-        """Open and close the hand; return the leading joint and its followers."""
-        joints = [self.model.joint(name) for name in self._hand.gripper.joints]
+    def couplings(self) -> list[tuple[Stroke, list[Stroke]]]:
+        """Open and close the hands; return the leading joint of each and its followers."""
         ends = []
         for share in (0.0, 1.0):
             for _ in range(round(_STROKE * self._rate)):
-                self.step(self._robot._joint_positions, share)
-            ends.append([float(self.data.qpos[each.qposadr[0]]) for each in joints])
-        rows = [
-            Stroke(each.name, float(self.model.qpos0[each.qposadr[0]]), *both)
-            for each, both in zip(joints, zip(*ends, strict=True), strict=True)
-        ]
+                still = [hand.robot._joint_positions for hand in self._hands]
+                self.step(still, [share] * len(self._hands))
+            ends.append(self.data.qpos.copy())
+        return [self._coupling(hand.gripper, *ends) for hand in self._hands]
+
+    def _coupling(self, gripper: Any, opened: Any, closed: Any) -> tuple[Stroke, list[Stroke]]:
+        rows = []
+        for name in gripper.joints:
+            place = self.model.joint(name).qposadr[0]
+            ends = self.model.qpos0[place], opened[place], closed[place]
+            rows.append(Stroke(name, *(float(end) for end in ends)))
         driven = [
             self.model.joint(int(self.model.actuator(name).trnid[0])).name
-            for name in self._hand.gripper.actuators
+            for name in gripper.actuators
             if self.model.actuator(name).trntype[0] == mujoco.mjtTrn.mjTRN_JOINT
         ]
         leaders = [row for row in rows if row.name in driven] or rows
@@ -326,13 +328,14 @@ class SharedGripper:
         robot: Robot of robosuite.
 
     Attributes:
+        robot: The robot.
         gripper: Gripper of robosuite.
         part: Name of its part in an action.
         share: Reference, from 0 (open) to 1 (closed).
     """
 
     def __init__(self, robot: Any) -> None:
-        self.gripper = robot.gripper[_SIDE]
+        self.robot, self.gripper = robot, robot.gripper[_SIDE]
         self.part, self.share = robot.get_gripper_name(_SIDE), 0.0
         closed, opened = (self._end(sign) for sign in (1.0, -1.0))
         self.gripper.format_action = lambda _: opened + self.share * (closed - opened)
@@ -342,6 +345,22 @@ class SharedGripper:
         for _ in range(1000):
             reference = self.gripper.format_action(np.full(self.gripper.dof, sign))
         return np.array(reference, dtype=float)
+
+
+def _servos(arm: str) -> dict[str, Any]:
+    """Return the configuration of an arm's controllers: servos of its joints."""
+    config: dict[str, Any] = load_composite_controller_config(controller="BASIC", robot=arm)
+    config["body_parts"][_SIDE].update(
+        type="JOINT_POSITION",
+        input_type="absolute",
+        kp=_GAIN,
+        damping_ratio=_DAMPING,
+        output_max=1,
+        output_min=-1,
+        interpolation="linear",
+        ramp_ratio=1.0,
+    )
+    return config
 
 
 def _section(root: ET.Element, name: str) -> ET.Element:
@@ -382,7 +401,7 @@ def answer(world: RobosuiteWorld, request: dict[str, Any]) -> tuple[dict[str, An
         case "model":
             return {"xml": world.robot_model()}, b""
         case "step":
-            world.step(request["arm"], request["closing"])
+            world.step(request["arms"], request["closing"])
             return {}, b""
         case "read":
             images = b""
