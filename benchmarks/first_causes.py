@@ -13,6 +13,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import MappingProxyType
@@ -35,6 +36,7 @@ from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.recording import Recording
 from cbdsl.runtime.tick import Tick
+from cbdsl.sensing.observation import Observation
 from cbdsl.yaml_text.library import Library
 
 Edits = Mapping[str, Sequence[tuple[str, str]]]
@@ -157,6 +159,58 @@ class OneEye(WorldFault):
         """Leave the world as it is."""
 
 
+class Distortion(WorldFault):
+    """Sensors that read otherwise from the beginning."""
+
+    def __init__(
+        self, change: Callable[[Observation], Observation], backend: SimulatedBackend[Any]
+    ) -> None:
+        super().__init__(backend)
+        observe = self.backend.observe
+        self.backend.observe = lambda: change(observe())  # type: ignore[method-assign]
+
+    def inject(self) -> None:
+        """Leave the world as it is."""
+
+
+def _scaled_loads(factor: float) -> Callable[[Observation], Observation]:
+    return lambda seen: replace(seen, loads={c: factor * load for c, load in seen.loads.items()})
+
+
+def _drifting_loads(seen: Observation) -> Observation:
+    drift = np.array([0.0, 0.0, 0.5 * seen.time, 0.0, 0.0, 0.0])
+    return replace(seen, loads={cell: load + drift for cell, load in seen.loads.items()})
+
+
+def _offset_joint(seen: Observation) -> Observation:
+    positions = seen.positions.copy()
+    positions[1] += 0.1
+    return replace(seen, positions=positions)
+
+
+def _shifted_rows(seen: Observation) -> Observation:
+    """Shift the rows of one camera by 25 px, as if it had turned in its mount."""
+    if not seen.regions:
+        return seen
+    camera, channels = next(iter(seen.regions.items()))
+    moved = {n: tuple(r._replace(row=r.row + 25.0) for r in of) for n, of in channels.items()}
+    return replace(seen, regions={**seen.regions, camera: moved})
+
+
+class StaleImages:
+    """Cameras that repeat their first images."""
+
+    def __init__(self) -> None:
+        self._first: Mapping[str, Any] = {}
+
+    def __call__(self, seen: Observation) -> Observation:
+        """Return an observation with the first regions in place of later ones."""
+        if not seen.regions:
+            return seen
+        self._first = self._first or seen.regions
+        return replace(seen, regions=self._first)
+
+
 class Injection(NamedTuple):
     """Injected cause of a failure.
 
@@ -191,6 +245,14 @@ _SEEN = "    reference: $eyes.$feature\n"
 _OFF = '    reference: "stereo.$feature + [0 cm, {} cm, 0 cm]"\n'
 _DOWN = "    reference: [180 deg, 0 deg, 0 deg]\n"
 _TILTED = "    reference: [130 deg, 0 deg, 0 deg]\n"
+# A taller block close beside the cube, on which fingers close as well.
+_GRASP, _TABLE, _SIDE = "grasp", "things_on_table", "take_from_side"
+_BLOCK = "  block: {form: {shape: box, size: [8 cm, 8 cm, 13 cm]}, mass: 2 kg, color: [0, 0, 1]}\n"
+_BESIDE = (
+    "  cube:\n    joints: {pan: [-0.65 rad, -0.25 rad], tilt: 1 rad}\n    placed:\n"
+    "      cube: {things: [cube], place: {on: table, x: [45 cm, 60 cm], y: [-30 cm, -15 cm]}}\n"
+    "      block: {things: [block], place: {beside: {name: cube, by: 9 cm}}}\n"
+)
 _TOP = "  reach: posture ◁ orient ◁ approach\n"
 _BELOW = "  reach: orient ◁ approach ◁ posture\n"
 
@@ -215,7 +277,38 @@ DEVELOPED = (
 JUDGED = (
     Injection("no_grasp", _PANDA, {_GRIP: [("until: $hand.shut", "until: 30 mm")]}),
     Injection("slip", _PANDA, fault=InjectedSlip),
+    Injection("slip", _PANDA, {_STAGE: [("mass: 100 g", "mass: 100 g, friction: 0.02")]}),
     Injection("translation", _PANDA, {_GRIP: [(_SEEN, _OFF.format(12))]}),
+    Injection("rotation", _PANDA, {_GRIP: [(_DOWN, _TILTED)]}),
+    Injection(
+        "rotation",
+        _SIDE,
+        {_SIDE: [("    reference: stereo.$feature.on.$goal.beside.$arm\n", _DOWN)]},
+    ),
+    Injection(
+        "no_rotation", _PANDA, {_GRIP: [("posture ◁ orient ◁ approach", "posture ◁ approach")]}
+    ),
+    Injection(
+        "no_rotation",
+        _SIDE,
+        {
+            _SIDE: [
+                ("◁ turn ◁ between", "◁ between"),
+                ("approach ◁ turn ◁ aloft", "approach ◁ aloft"),
+                ("approach at rest and turn at rest", "approach at rest"),
+            ]
+        },
+    ),
+    Injection(
+        "wrong_object",
+        _GRASP,
+        {
+            _TABLE: [
+                ("contexts:\n", f"{_BLOCK}\ncontexts:\n{_BESIDE}"),
+                ("  cube: {things: [cube], place: *half_of_table, joints: *looking}\n", ""),
+            ]
+        },
+    ),
     Injection(
         "wrong_order",
         _PANDA,
@@ -255,6 +348,13 @@ JUDGED = (
     Injection(
         "", _PANDA, {_STAGE: [("contexts:\n", "disturbance: {camera_position: 6 cm}\ncontexts:\n")]}
     ),
+    Injection("", _PANDA, {_STAGE: [("mass: 100 g", "mass: 6 kg")]}),
+    Injection("", _PANDA, fault=partial(Distortion, _scaled_loads(0.0))),
+    Injection("", _PANDA, fault=partial(Distortion, _scaled_loads(0.1))),
+    Injection("", _PANDA, fault=partial(Distortion, _drifting_loads)),
+    Injection("", _PANDA, fault=partial(Distortion, _offset_joint)),
+    Injection("", _PANDA, fault=partial(Distortion, _shifted_rows)),
+    Injection("", _PANDA, fault=lambda backend: Distortion(StaleImages(), backend)),
 )
 
 
@@ -387,14 +487,14 @@ def main() -> None:
     parser.add_argument("--set", choices=("developed", "judged"), default="judged")
     parser.add_argument("--seeds", type=int, default=2, help="Episodes of each injection.")
     parser.add_argument("--first", type=int, default=900, help="First seed.")
-    parser.add_argument("--kinds", default="", help="Kinds, parted by commas [all].")
+    parser.add_argument("--kinds", default="", help="Kinds, parted by commas, and unlisted [all].")
     parser.add_argument("--backend", default="mujoco")
     parser.add_argument("--keep", type=Path, help="Folder that keeps the recordings.")
     options = parser.parse_args()
     chosen = DEVELOPED if options.set == "developed" else JUDGED
     results = []
     for injection in chosen:
-        if options.kinds and injection.kind not in options.kinds.split(","):
+        if options.kinds and (injection.kind or "unlisted") not in options.kinds.split(","):
             continue
         seeds = range(options.first, options.first + options.seeds)
         for verdict in verdicts(injection, seeds, options.backend, options.keep):

@@ -145,7 +145,7 @@ def _with_values(
 ) -> ProgramDocument | str:
     """Return a program with the values of a robot's document, or the reason against that robot."""
     data, known = loaded.source.root.plain(), robot.document.effectors
-    if not isinstance(data, dict) or loaded.diagnostics:
+    if not isinstance(data, dict):
         return loaded.document
     texts = {role: name for role, name in chosen.items() if role not in effectors}
     texts |= {
@@ -173,6 +173,8 @@ def _with_values(
             | {name: validated(value, relative=False) for name, value in entries.items()}
             for section, entries in calls.items()
         }
+        fields = vars(loaded.document).items()
+        update |= {name: value for name, value in fields if isinstance(value, Unknown)}
         return document.model_copy(update=update)
     except QuantityError as error:
         return f"robot '{robot.document.name}' does not suit the program: {error}"
@@ -233,8 +235,11 @@ def bound_program(
     Returns:
         Program on the given robot, or on the first one at hand that fits; unknown if none does.
     """
-    check_roles(loaded, diagnostics)
-    if diagnostics.failed:
+    # Faults of other parts, which are left out of the program, do not concern its roles.
+    faults = Diagnostics()
+    check_roles(loaded, faults)
+    diagnostics.extend(faults.sorted())
+    if faults.failed:
         return UNKNOWN
     reasons, names = [], _first_the_stage_s(loaded, session.library)
     if ROBOT in values:
@@ -311,7 +316,9 @@ def _unstated(
 ) -> str:
     """Return which value a robot lacks that another robot at hand states; empty if none."""
     effectors = robot.document.effectors
-    for name in dict.fromkeys(named(loaded.source.root.plain())):
+    # The text also names the values of faulty parts, which are left out of the source.
+    whole = session.library.text(loaded.path) if loaded.diagnostics else loaded.source.root.plain()
+    for name in dict.fromkeys(named(whole)):
         role, _, key = name.partition(".")
         own = bound.parameters.get(role, "")
         if role not in loaded.document.roles or own not in effectors:
