@@ -9,7 +9,7 @@ from pathlib import Path
 from cbdsl.checking.open_members import MemberExchange, OpenMember
 from cbdsl.checking.program import examine_program, examiner
 from cbdsl.checking.robot.checked_robot import CheckedRobot
-from cbdsl.checking.roles import carries, has_signal
+from cbdsl.checking.robot.role_effectors import carries, has_signal
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, substitutes
 from cbdsl.diagnostics.diagnostics import Diagnostics

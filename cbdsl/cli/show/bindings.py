@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.checking.roles import (
-    Binding,
-    bindings,
-    check_roles,
-    on_robot,
-    read_roles,
-)
+from cbdsl.checking.robot.role_effectors import Binding, bindings
+from cbdsl.checking.roles import check_roles, on_robot, read_roles
 from cbdsl.checking.session import Session
 from cbdsl.cli.arguments.options import Robot, ShownProgram
 from cbdsl.cli.output.terminal import print_json, print_table
