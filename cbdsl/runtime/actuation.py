@@ -11,7 +11,7 @@ from cbdsl.control.compiled_tick import RESTED, UNSOUND, ActingArrays, TickArray
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.stack import Stack
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import HullSection, RobotDocument
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.handle import bind
 from cbdsl.program.checked import NO_GUARDS, Guards
@@ -109,10 +109,17 @@ class Actuation:
         )
         self._steps = _encoder_steps(robot, signals.joints.names)
         self.reference: Floats = np.zeros(len(signals.joints))
+        self._hulls: Mapping[str, HullSection] = {}
         self.guard(guards)
 
     def guard(self, guards: Guards) -> None:
-        """Bound loads and distances by other guards from now on."""
+        """Bound loads and distances by other guards from now on.
+
+        Fixtures keep the hulls of the stage, which an edited program does not know.
+        """
+        self._hulls = {**self._hulls, **guards.hulls}
+        known = {name: self._hulls[name] for name in guards.fixtures if name in self._hulls}
+        guards = guards._replace(hulls=known)
         self.load_guards = LoadGuards(guards, self._signals, self._period)
         self.clearance = Clearance(guards, self._signals, self._period)
         self._batches: dict[_Acting, ControllerBatch] = {}

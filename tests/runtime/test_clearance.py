@@ -216,3 +216,12 @@ def test_objects_to_avoid_without_a_distance_are_one_finding(tmp_path: Path) -> 
     (tmp_path / "avoid.yaml").write_text(text, "utf-8")
     with pytest.raises(DiagnosticsError, match="'avoid' needs the distance"):
         load(tmp_path / "avoid.yaml")
+
+
+def test_objects_to_avoid_may_be_parameters(tmp_path: Path) -> None:
+    text = AVOIDING.format(goal="stereo.sat_10", avoid="$what, $where")
+    given = "parameters: {what: stereo.sat_10, where: table}\nuse:"
+    (tmp_path / "avoid.yaml").write_text(text.replace("use:", given), "utf-8")
+    guards = load(tmp_path / "avoid.yaml").program.guards
+    assert [each.name for each in guards.seen] == ["stereo.sat_10"]
+    assert list(guards.hulls) == ["table"]

@@ -76,12 +76,15 @@ def _avoided(context: ProgramContext) -> tuple[tuple[Resource, ...], tuple[str, 
     """Return the seen objects and the fixtures that links keep away from."""
     guards = context.document.guards
     seen, fixtures = list[Resource](), list[str]()
-    for place, name in enumerate(guards.avoid):
+    for place, text in enumerate(guards.avoid):
         steps: Steps = ("guards", "avoid", place)
+        name = context.substitute(text, steps)
+        if isinstance(name, Unknown):
+            continue
         if "." not in name:
             fixtures.append(name)
             continue
-        resource = context.resource(name, steps)
+        resource = context.resource(text, steps)
         if isinstance(resource, Unknown):
             continue
         if resource.type.name == "position" and resource.origin is Origin.TRIANGULATION:
@@ -102,13 +105,14 @@ def check_fixtures(
     diagnostics: Diagnostics,
 ) -> None:
     """Report fixtures to keep away from that the stage of a sound program does not have."""
+    if not program.guards.fixtures:
+        return
     library = session.library
     path = library.find(StageDocument, program.stage or "", loaded.path)
     stage = session.read(path, StageDocument, diagnostics) if path else UNKNOWN
     if isinstance(stage, Unknown):
         return
     for name in program.guards.fixtures:
-        hull, number = fixture_hull(name, stage.document), loaded.document.guards.avoid.index(name)
+        hull = fixture_hull(name, stage.document)
         if isinstance(hull, str):
-            place = loaded.source.place("guards", "avoid", number)
-            diagnostics.add("CB587", place, problem=hull)
+            diagnostics.add("CB587", loaded.source.place("guards", "avoid"), problem=hull)
