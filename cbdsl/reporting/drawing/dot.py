@@ -11,14 +11,13 @@ from cbdsl.reporting.drawing.pictogram import LETTERS
 _STYLE = "compound=true", "node [fontname=sans fontsize=11]", "edge [fontname=sans fontsize=10]"
 _SHAPES = {
     Outline.SELECTOR: "shape=diamond", Outline.PATTERN: "shape=oval", Outline.ACTION: "shape=box",
-    Outline.UNUSED: "shape=box style=dashed", Outline.END: "shape=doublecircle",
+    Outline.END: "shape=doublecircle",
 }  # fmt: skip
 
 
 def dot(graph: Graph) -> str:
     """Return a graph as DOT, with graphs within it as clusters."""
-    style = (*_STYLE, *(["rankdir=LR"] if graph.across else []))
-    body = "\n".join(f"  {line}" for line in (*style, *_cluster(graph, "p")))
+    body = "\n".join(f"  {line}" for line in (*_STYLE, *_cluster(graph, "p")))
     return f"digraph {_quoted(graph.name)} {{\n{body}\n}}\n"
 
 
@@ -35,9 +34,6 @@ def _cluster(graph: Graph, key: str) -> Iterator[str]:
             yield f"  {keys[node.key]}_start -> {keys[node.key]}"
     for edge in graph.edges:
         look = f"label={_quoted(*edge.label.splitlines())} penwidth={0.8 + 2.2 * edge.weight:.1f}"
-        # Without `constraint=false`, the edge would count in the ranking of nodes, like a further
-        # step forwards.
-        look += " style=dashed constraint=false" if edge.back else ""
         yield f"  {keys[edge.source]} -> {keys[edge.target]} [{look}]"
     yield "}"
     # Inner graphs follow after the closing brace. Within it, Graphviz would nest their clusters in

@@ -13,7 +13,6 @@ class Outline(StrEnum):
     SELECTOR = "selector"
     PATTERN = "pattern"
     ACTION = "action"
-    UNUSED = "unused"
     END = "end"
 
 
@@ -55,14 +54,12 @@ class Edge(NamedTuple):
         source, target: Keys of nodes.
         label: Text beside the edge.
         weight: Thickness, in [0, 1].
-        back: True if it leads back to the initial state; such edges do not affect the layout.
     """
 
     source: str
     target: str
     label: str = ""
     weight: float = 0.0
-    back: bool = False
 
 
 class Graph(NamedTuple):
@@ -76,7 +73,6 @@ class Graph(NamedTuple):
         members: Members behind the letters of a state.
         programs: Members that are programs.
         notes: Notes for reading the graph.
-        across: True for a layout from left to right instead of downwards.
     """
 
     name: str
@@ -86,4 +82,3 @@ class Graph(NamedTuple):
     members: tuple[str, ...]
     programs: frozenset[str] = frozenset()
     notes: tuple[str, ...] = ()
-    across: bool = False

@@ -77,7 +77,6 @@ def lay_out(
     arcs: Sequence[tuple[Key, Key]],
     roots: Iterable[Key],
     spacing: Spacing,
-    across: bool = False,
 ) -> Layout:
     """Place nodes in rows, and route the arcs between them.
 
@@ -86,11 +85,7 @@ def lay_out(
         arcs: Arcs between different nodes.
         roots: Nodes in the first row.
         spacing: Space between elements.
-        across: True for columns from left to right instead of rows.
     """
-    if across:
-        flipped = {node: Size(height, width) for node, (width, height) in sizes.items()}
-        return _flipped(lay_out(flipped, arcs, roots, spacing))
     rows_of = _rows(list(sizes), arcs, list(roots))
     chains = {arc: _chain(arc, rows_of) for arc in arcs}
     rows = _order(_cells(rows_of, chains), list(chains.values()))
@@ -108,15 +103,6 @@ def lay_out(
     height = tops[-1] + tall[-1] if rows else 0.0
     routes = _routes(chains, places, sizes, (tops, tall, middles), spacing)
     return Layout(centers, routes, Size(width, height))
-
-
-def _flipped(layout: Layout) -> Layout:
-    """Return a layout with its axes exchanged."""
-    return Layout(
-        {node: (y, x) for node, (x, y) in layout.centers.items()},
-        {arc: tuple((y, x) for x, y in route) for arc, route in layout.routes.items()},
-        Size(layout.size.height, layout.size.width),
-    )
 
 
 def _rows(

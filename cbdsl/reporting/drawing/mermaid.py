@@ -17,8 +17,7 @@ def mermaid(graph: Graph) -> str:
 
     A state in which episodes end is framed twice.
     """
-    start = f"flowchart {'LR' if graph.across else 'TD'}"
-    return "\n".join((start, *(f"  {line}" for line in _subgraph(graph, "p")))) + "\n"
+    return "\n".join(("flowchart TD", *(f"  {line}" for line in _subgraph(graph, "p")))) + "\n"
 
 
 def _subgraph(graph: Graph, key: str) -> Iterator[str]:
@@ -44,13 +43,9 @@ def _node(node: Vertex, key: str) -> Iterator[str]:
     yield f"{key}{left}{_quoted(*letters, *(line.text for line in node.lines))}{right}"
     if node.started:
         yield f"{key}_start(( )) --> {key}"
-    if node.shape is Outline.UNUSED:
-        yield f"style {key} stroke-dasharray: 4"
 
 
 def _arrow(edge: Edge) -> str:
-    if edge.back:
-        return "-.->"
     return f"-->|{_quoted(*edge.label.splitlines())}|" if edge.label else "-->"
 
 

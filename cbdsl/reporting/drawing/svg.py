@@ -54,7 +54,6 @@ _MARGIN = 16
 _LOOP = 56
 _NARROWEST = 330
 _DOWN = Spacing(across=26, down=62, lane=30)
-_ACROSS = Spacing(across=12, down=56, lane=14)
 _START = 26
 _HEAD = 9.0
 # Height of a line of a label, px.
@@ -79,12 +78,10 @@ _STYLE = f"""
   .graph .selector-node {{ fill: #fff3d6; stroke: #a67c00; }}
   .graph .pattern-node, .graph .end-node {{ fill: #fff; stroke: #a67c00; }}
   .graph .action-node {{ fill: #e3eefb; stroke: #2f6db3; }}
-  .graph .unused-node {{ fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }}
   .graph .ending {{ fill: none; stroke: #8a94a0; }}
   .graph .ending.rewarded {{ stroke: #1a7f37; stroke-width: 2; }}
   .graph .now > rect {{ fill: #ffd54a; stroke: #7a5b00; stroke-width: 3; }}
   .graph .arc {{ fill: none; stroke: #555; }}
-  .graph .back {{ fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }}
   .graph .tip {{ fill: #555; }}
 """
 
@@ -161,39 +158,32 @@ class _Panel:
         self.graph = graph
         self._graphs, self._keys = graphs, keys
         self._loops = {edge.source: edge for edge in graph.edges if edge.source == edge.target}
-        self._back = [edge for edge in graph.edges if edge.back]
-        self._arcs = [e for e in graph.edges if not e.back and e.source != e.target]
+        self._arcs = [edge for edge in graph.edges if edge.source != edge.target]
         self._sizes = _sizes(graph, self._loops)
         down = _spacing([edge.label for edge in self._arcs])
         self._layout = lay_out(
             self._sizes,
             [(edge.source, edge.target) for edge in self._arcs],
             [node.key for node in graph.nodes if node.started] or [graph.nodes[0].key],
-            _ACROSS if graph.across else down,
-            graph.across,
+            down,
         )
-        track = 2 * _MARGIN if self._back else 0
         started = _START if any(node.started for node in graph.nodes) else 0
         self._above = LINE + max(started, _MARGIN / 2)
         # A label of several lines may reach beyond the nodes.
         beside = 2 * _MARGIN if down.down > _DOWN.down else 0
-        self.width = max(
-            self._layout.size.width + track + beside, _NARROWEST, text_width(graph.title)
-        )
+        self.width = max(self._layout.size.width + beside, _NARROWEST, text_width(graph.title))
         below = max(2 * _MARGIN, 0.7 * down.down)  # for arcs within the last row
-        self.height = self._above + self._layout.size.height + below + track / 2
+        self.height = self._above + self._layout.size.height + below
 
     def lines(self, top: float, wide: float) -> Iterator[str]:
         """Yield the panel from ``top`` downwards, centred in a width, px."""
-        # Columns begin at the left margin like text; diagrams in rows are centred.
-        left = _MARGIN + (0 if self.graph.across else (wide - self._layout.size.width) / 2)
+        left = _MARGIN + (wide - self._layout.size.width) / 2
         yield f"<g id={quoteattr(self._key(self.graph))}>"
         yield text(self.graph.title, _MARGIN, top, "name")
         yield f'<g transform="translate({left:.1f} {top + self._above:.1f})">'
         yield from self._paths()
         for node in self.graph.nodes:
             yield from self._node(node)
-        yield from self._way_back()
         yield "</g></g>"
 
     def _key(self, graph: Graph) -> str:
@@ -230,12 +220,11 @@ class _Panel:
         """Yield the arcs, and then their labels, so that no arc hides a label."""
         labels: list[_Label] = []
         for arc in self._arcs:
-            path, points = _path(self._layout.routes[arc.source, arc.target], self.graph.across)
+            path, points = _path(self._layout.routes[arc.source, arc.target])
             yield f'<path class="arc" d="{path}" stroke-width="{_thickness(arc):.1f}"/>'
             # The last two samples give the direction in which the arc reaches its node.
-            (x1, y1), (x2, y2) = points[-2:]
-            along, turned = (x2 - x1, 0) if self.graph.across else (y2 - y1, 90)
-            yield _tip(points[-1], turned if along > 0 else turned - 180)
+            (_, y1), (_, y2) = points[-2:]
+            yield _tip(points[-1], 90 if y2 > y1 else -90)
             if arc.label:
                 lines = arc.label.splitlines()
                 size = Size(text_width(max(lines, key=len), SMALL), len(lines) * _LABEL)
@@ -247,21 +236,6 @@ class _Panel:
             for number, line in enumerate(arc.label.splitlines()):
                 yield text(line, place.x, top + number * _LABEL, "share")
 
-    def _way_back(self) -> Iterator[str]:
-        """Yield the edges back, on one track around the right side and the bottom."""
-        if not self._back:
-            return
-        centers, sizes = self._layout.centers, self._sizes
-        right, bottom = self._layout.size.width + _MARGIN, self._layout.size.height + _MARGIN
-        heights = [centers[edge.source][1] for edge in self._back]
-        for edge, y in zip(self._back, heights, strict=True):
-            start = centers[edge.source][0] + sizes[edge.source].width / 2
-            yield f'<path class="back" d="M{start:.1f} {y:.1f}H{right:.1f}"/>'
-        x, y = centers[self._back[0].target]
-        foot = y + sizes[self._back[0].target].height / 2
-        around = f"M{right:.1f} {min(heights):.1f}V{bottom:.1f}H{x:.1f}V{foot + _HEAD:.1f}"
-        yield f'<path class="back" d="{around}"/>' + _tip((x, foot), -90)
-
 
 def _spacing(labels: Sequence[str]) -> Spacing:
     """Return the space between rows and their nodes, with room for labels of several lines."""
@@ -272,7 +246,7 @@ def _spacing(labels: Sequence[str]) -> Spacing:
 def _sizes(graph: Graph, loops: dict[str, Edge]) -> dict[str, Size]:
     """Return the nodes' sizes; all patterns have the same width, and so do all actions."""
     sizes = {node.key: _size(node, node.key in loops) for node in graph.nodes}
-    for column in ((Outline.PATTERN,), (Outline.ACTION, Outline.UNUSED, Outline.END)):
+    for column in ((Outline.PATTERN,), (Outline.ACTION, Outline.END)):
         own = [node.key for node in graph.nodes if node.shape in column]
         widest = max((sizes[key].width for key in own), default=0.0)
         sizes |= {key: sizes[key]._replace(width=widest) for key in own}
@@ -331,15 +305,9 @@ def _thickness(arc: Edge) -> float:
 # An arc is a chain of cubic Bezier curves with vertical tangents at all points of its route. The
 # control points are at half the height between two route points, so that the chain has no corners.
 # Within a row, the route has one middle point. Its curve bows beyond this point: by half of its
-# distance if both ends are at the same height. Horizontal layouts exchange x and y before and
-# after.
-def _path(route: Sequence[Point], across: bool) -> tuple[str, list[Point]]:
-    """Return a route as a smooth path, and points along it.
-
-    It begins and ends vertically, or horizontally if the layout goes ``across``.
-    """
-    if across:
-        route = [(y, x) for x, y in route]
+# distance if both ends are at the same height.
+def _path(route: Sequence[Point]) -> tuple[str, list[Point]]:
+    """Return a route as a smooth path that begins and ends vertically, and points along it."""
     if len(route) == 3:  # within a row: one bow
         (x1, y1), (_, y), (x2, y2) = route
         bows = [((x1, y1), (x1, 2 * y - y1), (x2, 2 * y - y1), (x2, y2))]
@@ -355,8 +323,6 @@ def _path(route: Sequence[Point], across: bool) -> tuple[str, list[Point]]:
     back = math.copysign(_HEAD - 1, end[1] - approach[1])
     bows[-1] = (start, control, approach, (end[0], end[1] - back))
     steps = [bows[0][0], *(point for bow in bows for point in bow[1:])]
-    if across:
-        points, steps = ([(y, x) for x, y in each] for each in (points, steps))
     drawn = " ".join(f"{x:.1f} {y:.1f}" for x, y in steps[1:])
     return f"M{steps[0][0]:.1f} {steps[0][1]:.1f}C{drawn}", points
 

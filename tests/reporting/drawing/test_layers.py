@@ -83,15 +83,3 @@ def test_a_tree_has_no_crossings() -> None:
     order = sorted(("n3", "n4", "n5", "n6"), key=lambda node: layout.centers[node][0])
     one_first = layout.centers["n1"] < layout.centers["n2"]
     assert set(order[:2]) == ({"n5", "n6"} if one_first else {"n3", "n4"})
-
-
-@given(SIZES, ARCS)
-@settings(max_examples=20)
-def test_a_layout_across_has_columns_for_rows(
-    sizes: dict[str, Size], arcs: list[tuple[str, str]]
-) -> None:
-    turned = {node: Size(height, width) for node, (width, height) in sizes.items()}
-    down, across = laid_out(turned, arcs), lay_out(sizes, arcs, NODES[:1], SPACING, across=True)
-    assert {n: (y, x) for n, (x, y) in across.centers.items()} == down.centers
-    assert {a: tuple((y, x) for x, y in r) for a, r in across.routes.items()} == down.routes
-    assert across.size == down.size[::-1]

@@ -81,8 +81,8 @@ def hostile() -> Graph:
         Vertex("a", Outline.SELECTOR, (TextLine("<m>"),)),
         Vertex("b", Outline.ACTION, label),
     )
-    edges = (Edge("a", "b", '"&'), Edge("b", "a", back=True))
-    return Graph("x", 'x & y; below: "', nodes, edges, ("<m>",), across=True)
+    edges = (Edge("a", "b", '"&'), Edge("b", "a"))
+    return Graph("x", 'x & y; below: "', nodes, edges, ("<m>",))
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -129,17 +129,6 @@ def test_svg_links_lead_to_the_panels_of_programs() -> None:
 def test_svg_escapes_names() -> None:
     texts = {element.text for element in ElementTree.fromstring(svg(hostile())).iter(f"{SVG}text")}
     assert {'a"<b>&\\', "`*_-", "<m>", 'x & y; below: "'} <= texts
-
-
-def test_the_way_back_is_dashed_and_ends_at_the_state() -> None:
-    assert dot(hostile()).count('p_1 -> p_0 [label="" penwidth=0.8 style=dashed') == 1
-    assert "p_1 -.-> p_0\n" in mermaid(hostile())
-    root = ElementTree.fromstring(svg(hostile()))
-    paths = [each.attrib["d"] for each in root.iter(f"{SVG}path") if each.get("class") == "back"]
-    state = next(r for r in root.iter(f"{SVG}rect") if r.get("class") == "selector-node")
-    foot = float(state.attrib["y"]) + float(state.attrib["height"])
-    assert len(paths) == 2  # from the action to the track, and along it
-    assert float(paths[1].rsplit("V", 1)[1]) == pytest.approx(foot + 9, abs=0.1)
 
 
 def test_mermaid_labels_hold_nothing_that_has_a_meaning() -> None:
