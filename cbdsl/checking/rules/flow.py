@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.language.exit import OF_KIND
 from cbdsl.program.automaton import END, Automaton, Exit, ProgramStep, Tables, meet, of_tables
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import Controller
+from cbdsl.program.controller import Controller, Relative
 from cbdsl.program.dry_run import levels, rewarding, rows
+from cbdsl.types.resource import Origin
 from cbdsl.types.state import LETTERS, STUCK, Predicate, tells_rest
+
+_OF_WORLD = (Origin.ENVIRONMENT, Origin.TRIANGULATION)
 
 # The automaton over-approximates a run: any member may have any of its letters next. A step or an
 # exit that it does not reach is therefore never reached, while a path that it has may be one that
@@ -106,6 +111,7 @@ class _FlowCheck:
             else:
                 self._check_going_on(step)
             self._check_holding(step)
+            self._check_support(step)
         traps = self._traps()
         for name in traps:
             step = self._automaton.steps[name]
@@ -202,11 +208,55 @@ class _FlowCheck:
             )
             self._add("CB731", step, self._path(step), action=step.action, state=state)
 
+    def _stack(self, step: ProgramStep) -> list[Controller]:
+        """Return the controllers of a step, highest priority first."""
+        action = next(each for each in self._program.actions if each.name == step.action)
+        return [level.controller for level in levels(self._program, action)]
+
+    # An object is held while a controller that requires a grip is defined. It may be let go once a
+    # member that an exit names tells of a contact or a place. An exit by joints and displacements
+    # alone leads to a hand that opens in the air.
+    def _check_support(self, step: ProgramStep) -> None:
+        """Report an exit from a step that carries an object to one that opens the hand."""
+        stack, primitives = self._stack(step), self._program.primitives
+        grips = [each for each in stack if each.name in {other.requires for other in stack}]
+        for place, exit_ in enumerate(step.exits):
+            after = self._automaton.steps.get(exit_.to.step)
+            if after is None or step.witness(place) is None or after.name == step.name:
+                continue
+            for box in exit_.boxes:
+                parts = zip(step.members, box, step.values, strict=True)
+                named = {name: own for name, own, every in parts if not set(every) <= set(own)}
+                carries = {
+                    each: own
+                    for each, own in zip(step.members, box, strict=True)
+                    if each in primitives and any(c.requires for c in primitives[each].controllers)
+                }
+                if any(own == Predicate.UNDEFINED for own in carries.values()) or not carries:
+                    continue
+                if not any(self._tells_place(name) for name in named):
+                    grip = next((g for g in grips if _opens(self._stack(after), g)), None)
+                    if grip is not None:
+                        details = {"step": after.name, "grip": grip.name, "before": step.name}
+                        self._add("CB733", step, self._path(step, exit_), **details)
+                        return
+
+    def _tells_place(self, member: str) -> bool:
+        """Return whether a member compares a signal of the world, or a hand with a place in it."""
+        program = self._program
+        if member in program.conditions:
+            return any(each.origin in _OF_WORLD for each in program.conditions[member].resources)
+        if member not in program.primitives:
+            return True  # a program has ends of its own
+        lead = program.primitives[member].lead
+        is_here = isinstance(lead.reference, Relative) and lead.reference.base is None
+        return lead.feedback.origin in _OF_WORLD or (
+            lead.feedback.origin is Origin.KINEMATICS and not is_here
+        )
+
     def _check_holding(self, step: ProgramStep) -> None:
         """Report controllers whose required controller has no joint left to act with."""
-        program = self._program
-        action = next(each for each in program.actions if each.name == step.action)
-        stack = [level.controller for level in levels(program, action)]
+        stack = self._stack(step)
         named = {controller.name: controller for controller in stack}
         for controller in stack:
             required = named.get(controller.requires or "")
@@ -218,6 +268,13 @@ class _FlowCheck:
                 details = {"name": controller.name, "required": required.name, "taker": taker.name}
                 self._add("CB728", step, self._path(step), step=step.name, **details)
                 return
+
+
+def _opens(stack: Sequence[Controller], grip: Controller) -> bool:
+    """Return whether the joints of a grip go to a posture, and nothing holds with them."""
+    acting = [each for each in stack if not set(each.joints).isdisjoint(grip.joints)]
+    postures = [each for each in acting if each.feedback.origin is Origin.PROPRIOCEPTION]
+    return bool(postures) and postures == acting
 
 
 def _takes(above: Controller, below: Controller) -> bool:
