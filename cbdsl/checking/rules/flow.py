@@ -97,6 +97,7 @@ class _FlowCheck:
 
     def all(self) -> None:
         """Report all faults."""
+        traps = self._traps()
         for step in self._automaton.steps.values():
             if step.name not in self._paths:
                 # An idle pattern, or an unreached end, is the same mistake.
@@ -108,11 +109,12 @@ class _FlowCheck:
                     # The failure of stuck members belongs to the exit before it.
                     if place == 0 or exit_.path != step.exits[place - 1].path:
                         self._check_exit(step, place, exit_)
+                if step.name not in traps:
+                    self._check_rest(step)
             else:
                 self._check_going_on(step)
             self._check_holding(step)
             self._check_support(step)
-        traps = self._traps()
         for name in traps:
             step = self._automaton.steps[name]
             # One finding for the step by which the steps without a way out are entered.
@@ -195,6 +197,16 @@ class _FlowCheck:
                 step = self._automaton.steps[name]
                 steps = " -> ".join((*cycle, name))
                 self._add("CB727", step, self._path(step), steps=steps)
+
+    def _check_rest(self, step: ProgramStep) -> None:
+        """Report a step that goes on although all of its members are at rest."""
+        conditions = self._program.conditions
+        resting = tuple(LETTERS if name in conditions else "1s" for name in step.members)
+        box = meet(resting, step.values)
+        if box is None or self._is_rewarded(step.name):
+            return
+        if {to.step for to, _ in step._replace(values=box).targets} == {step.name}:
+            self._add("CB734", step, self._path(step), step=step.name)
 
     def _check_going_on(self, step: ProgramStep) -> None:
         """Report an action that ends the program as soon as its controllers move."""
