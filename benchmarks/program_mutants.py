@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.program_mutants --count 300`` compares findings of ``cb validate`` with a
 search that is written here and shares nothing with the checker. ``--seeds 5 --only NAME`` runs
-mutants without physics and counts those that fail in all seeds.
+mutants without physics and counts failures in all seeds.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def _invert_bound(document: dict[str, Any], rng: random.Random) -> str | None:
     turned = {"<": ">", ">": "<"}
     text = document["conditions"][name]
     document["conditions"][name] = re.sub("[<>]", lambda sign: turned[sign[0]], text)
-    return name
+    return str(name)
 
 
 def _drop_requires(document: dict[str, Any], rng: random.Random) -> str | None:
@@ -131,7 +131,7 @@ def _drop_requires(document: dict[str, Any], rng: random.Random) -> str | None:
         return None
     name = rng.choice(own)
     del document["controllers"][name]["requires"]
-    return name
+    return str(name)
 
 
 def findings(mutant: Mutant) -> list[str]:
@@ -142,7 +142,7 @@ def findings(mutant: Mutant) -> list[str]:
     return [each.code for each in found if each.severity.value != "note"]
 
 
-# The search enumerates all letters of a step's members, also those that a member never has. It
+# The search enumerates all letters of a step's members, even letters that a member never has. It
 # therefore allows more paths than the checker, so that each of its faults is certain.
 class Search:
     """Search of a program's steps over all values of their members.

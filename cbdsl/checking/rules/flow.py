@@ -226,8 +226,8 @@ class _FlowCheck:
         return [level.controller for level in levels(self._program, action)]
 
     # An object is held while a controller that requires a grip is defined. It may be let go once a
-    # member that an exit names tells of a contact or a place. An exit by joints and displacements
-    # alone leads to a hand that opens in the air.
+    # member of an exit has measured a contact or a place. An exit by joints and displacements alone
+    # leads to a hand that opens in the air.
     def _check_support(self, step: ProgramStep) -> None:
         """Report an exit from a step that carries an object to one that opens the hand."""
         stack, primitives = self._stack(step), self._program.primitives
@@ -259,7 +259,7 @@ class _FlowCheck:
         if member in program.conditions:
             return any(each.origin in _OF_WORLD for each in program.conditions[member].resources)
         if member not in program.primitives:
-            return True  # a program has ends of its own
+            return True  # a program has its own ends
         lead = program.primitives[member].lead
         is_here = isinstance(lead.reference, Relative) and lead.reference.base is None
         return lead.feedback.origin in _OF_WORLD or (
