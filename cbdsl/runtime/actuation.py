@@ -230,8 +230,9 @@ class Actuation:
         place = int(np.count_nonzero(balance.step.stack.ages[: batch.runs.index(run)]))
         cause = balance.cause(place) or RestCause(CREEPING)
         if cause.kind == CREEPING:
-            lag = np.abs(self.reference - self._signals.positions)[batch.joints]
-            behind = lag > 0.5 * self.settings.lead
+            # The displacement of this tick is still ahead of joints that follow.
+            lag = (self.reference - self._signals.positions)[batch.joints]
+            behind = np.abs(lag - balance.step.displacement) > 0.5 * self.settings.lead
             joints = tuple(name for name, late in zip(balance.joints, behind, strict=True) if late)
             if not joints:
                 return RestCause(CREEPING)

@@ -13,6 +13,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.runtime.actuation import Actuation
+from cbdsl.runtime.causes import BLOCKED, CREEPING, Balance
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
@@ -94,6 +95,30 @@ def test_same_controllers_with_others_are_another_composition(
     assert found[0] is found[2] is not found[1]
     assert (found[0].acting[:, 1:3] >= 0).any()
     assert (found[1].acting[:, 1:3] == -1).all()
+
+
+@pytest.mark.parametrize(("behind", "kind"), [(0.0, CREEPING), (1e-3, BLOCKED)])
+def test_joint_is_blocked_if_it_lags_behind_earlier_ticks_alone(
+    checked: Checked, dexter: RobotDocument, urdf: Path, monkeypatch: pytest.MonkeyPatch,
+    behind: float, kind: str,
+) -> None:  # fmt: skip
+    """The step of the same tick may exceed half of the lead."""
+    program, lead = checked("posture"), 5e-4
+    robot = dexter.model_copy(update={"control": dexter.control.model_copy(update={"lead": lead})})
+    signals = Signals(robot, Kinematics(robot, urdf), resources_of(program))
+    plan = ControllerPlan()
+    run = ProgramRun(program, signals, plan, 1 / 60)
+    run.begin(np.random.default_rng(0), lambda transition: None)
+    run.activate()
+    actuation = Actuation(robot, signals, plan, 1 / 60)
+    actuation.reset(signals.positions)
+    actuation.move(run.active())
+    assert actuation.step is not None
+    assert np.abs(actuation.step.displacement).max() > 0.5 * lead
+    actuation.reference += behind
+    monkeypatch.setattr(Balance, "cause", lambda self, place: None)
+    cause = actuation.cause(run.active()[0].run)
+    assert cause is not None and cause.kind == kind
 
 
 @pytest.mark.parametrize(("angle", "end"), [(1.7, "upper"), (-1.7, "lower")])
