@@ -193,3 +193,11 @@ def test_faulty_part_of_a_shared_document_hides_no_other_fault(folder: Path) -> 
     path = path.parent / "shared/looks.yaml"
     found = [(each.code, each.place.line) for each in check_document(path) if each.is_error]
     assert found == [("CB402", 7), ("CB204", 8), ("CB402", 9), ("CB501", 11)]
+
+
+@pytest.mark.parametrize("name", ["looks", "watch", "retreat", "waited", "near", "kept"])
+def test_misspelt_name_in_shared_is_one_finding(folder: Path, name: str) -> None:
+    line = "shared: {looks: [watch, retreat, waited, near, kept]}"
+    found = check_document(edited(folder, "go.yaml", line, line.replace(name, f"{name}x")))
+    (error,) = (each for each in found if each.is_error)
+    assert error.code == ("CB628" if name == "looks" else "CB629")
