@@ -16,7 +16,8 @@ from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.scaffold.document_template import DocumentTemplate
+from cbdsl.scaffold.document_template import DocumentTemplate, scalar
+from cbdsl.types.relative import ANY_ROBOT
 from cbdsl.yaml_text.library import Library
 
 new = typer.Typer(
@@ -28,6 +29,13 @@ new = typer.Typer(
 
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of the document and of its file.")]
 Robot = Annotated[str, typer.Option("--robot", help="Robot of the document: file or name.")]
+StageRobot = Annotated[
+    str | None,
+    typer.Option("--robot", help="Robot of the stage: file or name [dexter; any of a scene]."),
+]
+Mjcf = Annotated[
+    Path | None, typer.Option("--mjcf", help="Scene of MuJoCo whose objects the stage takes over.")
+]
 To = Annotated[
     Path | None,
     typer.Option("--to", help="Folder to write to [the folder of its kind, such as programs]."),
@@ -115,13 +123,39 @@ def new_robot(
 
 
 @new.command("stage")
-def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
-    """Write a stage with a ball on a table within the robot's reach, or an empty one."""
+def new_stage(
+    name: Name, robot: StageRobot = None, mjcf: Mjcf = None, to: To = None, force: Force = False
+) -> None:
+    """Write a stage with a ball on a table within the robot's reach, or that of a MuJoCo scene.
+
+    Fixed bodies of the scene become fixtures, and free ones things at their places; several
+    keyframes give ranges of places. Parts that no stage can state are named (extra formats).
+    """
     from cbdsl.kinematics.bench import bench
 
-    body, file = _located(robot)
+    if mjcf is not None:
+        _new_scene(name, mjcf, ANY_ROBOT if robot is None else _robot(robot).name, to, force)
+    body, file = _located(robot or "dexter")
     values = {"robot": body.name, **bench(body, file).values()}
     _write(DocumentTemplate(StageDocument, "stage", name, to), values, force)
+
+
+def _new_scene(name: str, mjcf: Path, robot: str, to: Path | None, force: bool) -> NoReturn:
+    """Write the stage of a MuJoCo scene, and check it."""
+    from cbdsl.robot.package_folders import PackageFolders
+    from cbdsl.robot.urdf import UrdfError
+    from cbdsl.scaffold.model_format import SCENE_FORMATS
+
+    template = DocumentTemplate(StageDocument, "stage", name, to, "scene")
+    try:
+        scene = SCENE_FORMATS.get("mjcf").converted(mjcf, name, {}, PackageFolders({}, [], mjcf))
+    except (UrdfError, ModuleNotFoundError) as error:
+        raise UsageError(str(error)) from error
+    files = {template.folder / file: contents for file, contents in scene.meshes.items()}
+    description = scalar(f"The scene {mjcf.name}.")
+    values = {"robot": robot, "description": description, "parts": scene.urdf}
+    written = template.write(values, force, files)
+    _conclude(template.file, [*files, *written], scene.remarks)
 
 
 def _robot(name: str) -> RobotDocument:

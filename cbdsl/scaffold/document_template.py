@@ -32,6 +32,7 @@ class DocumentTemplate:
         word: Name of the kind and of its template.
         name: Name of the document.
         to: Folder of the document; ``None`` for the kind's folder.
+        template: Name of the template; that of the kind if empty.
 
     Attributes:
         folder: Folder of the document.
@@ -41,9 +42,11 @@ class DocumentTemplate:
         UsageError: The name is invalid.
     """
 
-    def __init__(self, kind: type[Document], word: str, name: str, to: Path | None) -> None:
+    def __init__(
+        self, kind: type[Document], word: str, name: str, to: Path | None, template: str = ""
+    ) -> None:
         require_name(name)
-        self._word, self._name = word, name
+        self._word, self._name, self._template = word, name, template or word
         self.folder = folder_of(kind, to)
         self.file = self.folder / f"{name}.yaml"
         # Folder of the document's project, as far as known.
@@ -74,7 +77,7 @@ class DocumentTemplate:
         there = next((each for each in (file, *files) if each.exists() and not force), None)
         if there is not None:
             raise UsageError(f"{there} is there; --force replaces it")
-        template = Path(__file__).parent / "templates" / f"{self._word}.yaml.template"
+        template = Path(__file__).parent / "templates" / f"{self._template}.yaml.template"
         text = Template(template.read_text("utf-8"))
         schema, generated = _schema(self._word, self.folder, self._root)
         # Editors resolve the path of a schema relative to the document, with slashes on every

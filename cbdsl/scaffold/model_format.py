@@ -1,4 +1,4 @@
-"""Formats of robot models from packages, which are converted to URDF."""
+"""Formats of robot models and scenes from packages, converted to URDF and to stages."""
 
 from __future__ import annotations
 
@@ -62,4 +62,8 @@ def _validate(_: str, entry: object) -> ModelFormat:
 _PROVIDERS = dict.fromkeys(("mjcf", "xacro"), "cbdsl[formats]")
 MODEL_FORMATS: Registry[ModelFormat] = Registry(
     "format of models", "cbdsl.models", {}, _validate, providers=_PROVIDERS
+)
+#: Formats of scenes, whose functions return the parts of a stage in the place of a URDF.
+SCENE_FORMATS: Registry[ModelFormat] = Registry(
+    "format of scenes", "cbdsl.scenes", {}, _validate, providers=_PROVIDERS
 )

@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Mapping
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -47,13 +48,24 @@ def convert_bounded(
         UsageError: If files of MuJoCo are damaged.
         ModuleNotFoundError: If MuJoCo is not installed.
     """
+    return _bounded("conversion:convert_mjcf", path, name)
+
+
+def convert_scene_bounded(
+    path: Path, name: str, arguments: Mapping[str, str], packages: PackageFolders
+) -> ConvertedModel:
+    """Return the stage of a scene, as ``convert_bounded`` returns a URDF; see ``convert_scene``."""
+    return _bounded("scene:convert_scene", path, name)
+
+
+def _bounded(function: str, path: Path, name: str) -> ConvertedModel:
     require_unmixed("mujoco")
     if find_spec("mujoco") is None:
         raise ModuleNotFoundError(name="mujoco")
     # The process imports from the same folders as this one. An empty entry is left out, because it
     # stands for the working folder, whose modules could shadow the library's.
     paths = json.dumps([folder for folder in sys.path if folder])
-    command = [sys.executable, "-P", "-c", _BEGIN, paths, str(path), name]
+    command = [sys.executable, "-P", "-c", _BEGIN, paths, str(path), name, function]
     try:
         # The bound on processor time is set by the process itself. This longer one on elapsed time
         # allows for a busy machine. One thread per library saves address space, which is bounded,
@@ -87,9 +99,9 @@ def main() -> None:
     os.dup2(2, 1)  # warnings of native code must not mix with the answer
     answer: dict[str, object]
     try:
-        from cbdsl_formats.mjcf.conversion import convert_mjcf
-
-        converted = convert_mjcf(Path(sys.argv[2]), sys.argv[3])
+        module, _, function = sys.argv[4].partition(":")
+        convert = getattr(import_module(f"cbdsl_formats.mjcf.{module}"), function)
+        converted: ConvertedModel = convert(Path(sys.argv[2]), sys.argv[3])
         meshes = {file: base64.b64encode(data).decode() for file, data in converted.meshes.items()}
         answer = {"urdf": converted.urdf, "meshes": meshes, "remarks": converted.remarks}
     except UrdfError as error:

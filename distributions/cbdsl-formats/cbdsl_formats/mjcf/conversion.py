@@ -43,20 +43,28 @@ def convert_mjcf(path: Path, name: str) -> ConvertedModel:
     Raises:
         UrdfError: If MuJoCo refuses the model, or a joint is a ball joint.
     """
-    _require_few_copies(path)
     try:
-        compiled = mj.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        reason = " ".join(str(error).split())
-        raise UrdfError(f"{path}: MuJoCo cannot compile it: {reason}") from None
-    try:
-        converted = _converted(MjcfModel(path, compiled), name)
+        converted = _converted(MjcfModel(path, compiled_model(path)), name)
     except UnicodeDecodeError as error:
         raise UrdfError(f"{path}: one of its names is not UTF-8 ({error})") from None
     unwritable = _UNWRITABLE.search(converted.urdf)
     if unwritable is not None:
         raise UrdfError(f"{path}: one of its names has the control character {unwritable[0]!r}")
     return converted
+
+
+def compiled_model(path: Path) -> Any:
+    """Return a model as MuJoCo compiles it.
+
+    Raises:
+        UrdfError: If MuJoCo refuses it, or it repeats a part too often.
+    """
+    _require_few_copies(path)
+    try:
+        return mj.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise UrdfError(f"{path}: MuJoCo cannot compile it: {reason}") from None
 
 
 def _require_few_copies(path: Path) -> None:
@@ -211,7 +219,7 @@ class _Writer:
                     _add_origin(element, place)
                     SubElement(SubElement(element, "geometry"), tag, sizes)
                     if use == "visual":
-                        _add_color(element, _color(model, geom), f"geom_{geom}")
+                        _add_color(element, color_of(model, geom), f"geom_{geom}")
 
     def _shapes(self, geom: int) -> list[tuple[BodyFrame, str, dict[str, str]]]:
         """Return the URDF shapes of a geom: their placements, kinds and sizes."""
@@ -250,7 +258,7 @@ def _uses(model: Any, geom: int) -> list[str]:
 
     By convention, the groups from 3 on contain collision shapes.
     """
-    hidden = int(model.geom_group[geom]) >= _HIDDEN_GROUP or _color(model, geom)[3] == 0.0
+    hidden = is_hidden(model, geom)
     touches = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
     return [
         *([] if hidden else ["visual"]),
@@ -258,7 +266,12 @@ def _uses(model: Any, geom: int) -> list[str]:
     ]
 
 
-def _color(model: Any, geom: int) -> list[float]:
+def is_hidden(model: Any, geom: int) -> bool:
+    """Return whether MuJoCo's viewer hides a geom."""
+    return int(model.geom_group[geom]) >= _HIDDEN_GROUP or color_of(model, geom)[3] == 0.0
+
+
+def color_of(model: Any, geom: int) -> list[float]:
     """Return red, green, blue and opacity of a geom, from its material if it has one."""
     material = int(model.geom_matid[geom])
     rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]

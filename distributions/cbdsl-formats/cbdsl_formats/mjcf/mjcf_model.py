@@ -54,11 +54,11 @@ class MjcfModel:
         self.path, self.compiled = path, compiled
         names: set[str] = {"world"}
         self.links = ["world"] + [
-            _distinct(compiled.body(body).name or f"body_{body}", names)
+            distinct(compiled.body(body).name or f"body_{body}", names)
             for body in range(1, compiled.nbody)
         ]
         self.sites = [
-            _distinct(compiled.site(site).name or f"site_{site}", names)
+            distinct(compiled.site(site).name or f"site_{site}", names)
             for site in range(compiled.nsite)
         ]
         self._require_hinges()
@@ -117,14 +117,7 @@ class MjcfModel:
     def stl(self, mesh: int) -> bytes:
         """Return a mesh as binary STL, in MuJoCo's frame of the mesh."""
         model = self.compiled
-        start, many = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-        corners = model.mesh_vert[start : start + many]
-        start, many = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
-        faces = model.mesh_face[start : start + many]
-        record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
-        triangles = np.zeros(many, dtype=record)
-        triangles["corners"] = corners[faces]
-        return bytes(80) + many.to_bytes(4, "little") + bytes(triangles.tobytes())
+        return stl_of(model_corners(model, mesh))
 
     def remarks(self) -> Iterator[str]:
         """Yield sentences about parts that have no counterpart in URDF."""
@@ -192,7 +185,7 @@ class MjcfModel:
     def _name_joints(self) -> list[str]:
         names: set[str] = set()
         return [
-            _distinct(self.compiled.joint(n).name or f"{self.links[self._body(n)]}_joint", names)
+            distinct(self.compiled.joint(n).name or f"{self.links[self._body(n)]}_joint", names)
             for n in range(self.compiled.njnt)
         ]
 
@@ -275,7 +268,24 @@ class MjcfModel:
         return follower, master, ratio, offset
 
 
-def _distinct(name: str, taken: set[str]) -> str:
+def model_corners(model: Any, mesh: int) -> Floats:
+    """Return the corners of the triangles of a compiled model's mesh, m, shape (n, 3, 3)."""
+    start, many = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+    corners = model.mesh_vert[start : start + many]
+    start, many = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
+    return np.asarray(corners[model.mesh_face[start : start + many]], dtype=np.float64)
+
+
+def stl_of(corners: Floats) -> bytes:
+    """Return triangles, shape (n, 3, 3), as binary STL."""
+    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
+    triangles = np.zeros(len(corners), dtype=record)
+    triangles["corners"] = corners
+    return bytes(80) + len(corners).to_bytes(4, "little") + bytes(triangles.tobytes())
+
+
+def distinct(name: str, taken: set[str]) -> str:
+    """Return a name, with a number if it is taken, and take it."""
     number, distinct = 2, name
     while distinct in taken:
         distinct, number = f"{name}_{number}", number + 1
