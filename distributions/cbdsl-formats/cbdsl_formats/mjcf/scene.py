@@ -31,8 +31,8 @@ _FACES = np.array(
 )  # fmt: skip
 
 
-class Solid(NamedTuple):
-    """Solid of a body.
+class SceneSolid(NamedTuple):
+    """SceneSolid of a body.
 
     Attributes:
         form: Shape and sizes as in stages; empty for a mesh.
@@ -57,14 +57,14 @@ def convert_scene(path: Path, name: str) -> ConvertedModel:
     Raises:
         UrdfError: If MuJoCo refuses the scene, or a stage can state none of its parts.
     """
-    return _Scene(path, compiled_model(path), name).converted()
+    return _SceneConversion(path, compiled_model(path), name).converted()
 
 
 # Model: a stage has fixtures that are parallel to the axes or turned about z, and things that stand
 # at a yaw. A body's rotation is split into a yaw and a tilt, and the tilt is applied to its solids.
 # Solids that stay tilted become meshes if they have corners; others are named with the reason. A
 # stage moves no joints: of an articulated object, only the bodies that no joint moves are fixtures.
-class _Scene:
+class _SceneConversion:
     def __init__(self, path: Path, compiled: Any, name: str) -> None:
         self._path, self._model, self._name = path, compiled, name
         self._names: set[str] = set()
@@ -98,7 +98,7 @@ class _Scene:
         return ConvertedModel("\n".join(lines) + "\n", self._meshes, remarks)
 
     def _counted(self) -> tuple[str, ...]:
-        """Return the different remarks, with the numbers of those that occur several times."""
+        """Return the different remarks, each with its number if it occurs several times."""
         counts = Counter(self._remarks)
         return tuple(f"{each} ({n} times)" if n > 1 else each for each, n in counts.items())
 
@@ -137,14 +137,14 @@ class _Scene:
         ]
         touching = [each for each in own if self._touches(each[0])]
         solids = [self._solid(geom, frame, name) for geom, frame in touching]
-        found = [solid for solid in solids if solid is not None]
+        kept = [solid for solid in solids if solid is not None]
         mass = float(model.body_subtreemass[body])
-        if not found or mass <= 0.0:
-            reason = "no mass" if found else "no solid that a stage can state"
+        if not kept or mass <= 0.0:
+            reason = "no mass" if kept else "no solid that a stage can state"
             self._remarks.append(f"left out thing '{name}': it has {reason}")
             return None
-        centre = _middle(found)
-        centred = [each._replace(position=each.position - centre) for each in found]
+        centre = _middle(kept)
+        centred = [each._replace(position=each.position - centre) for each in kept]
         form = self._form(centred, name)
         color = self._color(touching[0][0], [geom for geom, _ in own])
         thing = {
@@ -170,7 +170,7 @@ class _Scene:
             pose = values[at : at + 7]
             yield placed(pose[:3], pose[3:])
 
-    def _solid(self, geom: int, frame: BodyFrame, name: str) -> Solid | None:
+    def _solid(self, geom: int, frame: BodyFrame, name: str) -> SceneSolid | None:
         """Return a geom in a frame; ``None`` with a remark if a stage cannot state it."""
         model = self._model
         place = frame.then(placed(model.geom_pos[geom], model.geom_quat[geom]))
@@ -179,7 +179,7 @@ class _Scene:
         yaw, tilt = _split(place.rotation)
         upright = abs(place.rotation[2, 2]) > _PARALLEL
         if kind == "sphere":
-            return Solid({"shape": "ball", "radius": _length(size[0])}, at, 0.0)
+            return SceneSolid({"shape": "ball", "radius": _length(size[0])}, at, 0.0)
         if kind == "plane" and place.rotation[2, 2] > _PARALLEL:
             halves = np.array([*(each or _ENDLESS for each in size[:2]), _THIN])
             return _box(halves, at - _THIN * _UP, yaw)
@@ -188,22 +188,22 @@ class _Scene:
             order = np.abs(tilt)
             if bool((order.max(axis=0) > _PARALLEL).all()):
                 return _box(order.round() @ size, at, yaw)
-            return Solid({}, at, 0.0, (_CORNERS * size @ place.rotation.T)[_FACES])
+            return SceneSolid({}, at, 0.0, (_CORNERS * size @ place.rotation.T)[_FACES])
         if kind in ("cylinder", "capsule") and upright:
             if kind == "capsule":
                 self._remarks.append(f"capsule of '{name}' is a cylinder of its whole height here")
             height = 2 * size[1] + (2 * size[0] if kind == "capsule" else 0.0)
             form = {"shape": "cylinder", "radius": _length(size[0]), "height": _length(height)}
-            return Solid(form, at, 0.0)
+            return SceneSolid(form, at, 0.0)
         if kind == "mesh":
             corners = model_corners(model, int(model.geom_dataid[geom])) @ place.rotation.T
             middle = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2
-            return Solid({}, at + middle, 0.0, corners - middle)
+            return SceneSolid({}, at + middle, 0.0, corners - middle)
         how = "a tilted" if kind in ("cylinder", "capsule", "plane") else "an unknown form,"
         self._remarks.append(f"left out of '{name}': {how} {kind}")
         return None
 
-    def _form(self, solids: list[Solid], name: str) -> dict[str, Any]:
+    def _form(self, solids: list[SceneSolid], name: str) -> dict[str, Any]:
         """Return the form of one or several solids about their middle."""
         if len(solids) == 1 and solids[0].corners is None and not solids[0].yaw:
             return solids[0].form
@@ -219,10 +219,9 @@ class _Scene:
             return {"shape": "composed", "pieces": pieces}
         if len(meshes) < len(solids):
             self._remarks.append(f"left out of '{name}': {len(solids) - len(meshes)} solids")
-        kept = meshes[:1] if len(solids) == 1 else meshes
         corners = [
             each.corners + (each.position if len(solids) > 1 else 0.0)
-            for each in kept
+            for each in meshes
             if each.corners is not None
         ]
         file = f"{self._name}_meshes/{name}.stl"
@@ -323,19 +322,19 @@ def _split(rotation: Floats) -> tuple[float, Floats]:
     return yaw, turned(_UP, -yaw).rotation @ rotation
 
 
-def _box(halves: Floats, at: Floats, yaw: float) -> Solid:
+def _box(halves: Floats, at: Floats, yaw: float) -> SceneSolid:
     yaw = 0.0 if abs(yaw) < 1e-3 else yaw
-    return Solid({"shape": "box", "size": _lengths(2 * halves)}, at, yaw)
+    return SceneSolid({"shape": "box", "size": _lengths(2 * halves)}, at, yaw)
 
 
-def _middle(solids: list[Solid]) -> Floats:
+def _middle(solids: list[SceneSolid]) -> Floats:
     """Return the middle of the box around solids, m."""
     ends = [each.position + corner for each in solids for corner in _reach(each)]
     middle: Floats = (np.min(ends, axis=0) + np.max(ends, axis=0)) / 2
     return middle
 
 
-def _reach(solid: Solid) -> Floats:
+def _reach(solid: SceneSolid) -> Floats:
     """Return two corners of the box around a solid, about its centre, m."""
     if solid.corners is not None:
         return np.array([solid.corners.min(axis=(0, 1)), solid.corners.max(axis=(0, 1))])
