@@ -314,7 +314,7 @@ class _SceneConversion:
 
 def _split(rotation: Floats) -> tuple[float, Floats]:
     """Return the yaw of a rotation, rad, and the tilt before it, shape (3, 3)."""
-    # Of the axes, the one that is the most level shows the yaw.
+    # The most level axis shows the yaw.
     level = int(np.argmin(np.abs(rotation[2])))
     yaw = math.atan2(rotation[1, level], rotation[0, level])
     # Solids of the stage look the same after quarter turns of their axes.
