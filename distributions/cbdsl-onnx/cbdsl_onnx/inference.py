@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -17,6 +16,9 @@ from cbdsl.extend.document import contents, digest_of_bytes
 from cbdsl_onnx.model_file import load
 from cbdsl_onnx.network import NetworkDocument
 from cbdsl_onnx.plan import NetworkPlan
+
+#: Time beyond the deadline for which a simulation waits for a thread that may starve, s.
+_GRACE = 1.0
 
 
 class Inference:
@@ -35,8 +37,7 @@ class Inference:
             raise ValueError(f"{plan.file} has changed since it was checked")
         self._session, self._output = load(data), plan.output.name
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="network")
-        self._request: Future[NDArray[Any]] | None = None
-        self._begun = math.inf
+        self._request: Future[tuple[NDArray[Any], float]] | None = None
 
     @property
     def is_busy(self) -> bool:
@@ -47,18 +48,20 @@ class Inference:
         """Begin to compute the output of inputs by name."""
         import onnxruntime
 
-        self._options, self._begun = onnxruntime.RunOptions(), math.inf
+        self._options = onnxruntime.RunOptions()
         self._request = self._thread.submit(self._run, dict(feeds), self._options)
 
-    def _run(self, feeds: dict[str, NDArray[Any]], options: Any) -> NDArray[Any]:
-        self._begun = time.monotonic()
-        return np.asarray(self._session.run([self._output], feeds, options)[0])
+    def _run(self, feeds: dict[str, NDArray[Any]], options: Any) -> tuple[NDArray[Any], float]:
+        """Return the output, and the processor time of its computation, s."""
+        begun = time.thread_time()
+        output = np.asarray(self._session.run([self._output], feeds, options)[0])
+        return output, time.thread_time() - begun
 
     def receive(self, deadline: float) -> NDArray[Any] | None:
         """Return the output of the last request, or ``None`` if it is late or not finite.
 
         Ticks of a simulation may be shorter than their simulated time, or starve the thread. An
-        output is therefore late by the time of its own computation, and is waited for until then.
+        output is therefore late by the processor time of its own computation.
 
         Args:
             deadline: Longest computation of an output, s; 0 never waits.
@@ -67,8 +70,7 @@ class Inference:
         if request is None:
             return None
         try:
-            elapsed = max(0.0, time.monotonic() - self._begun)  # 0 before the thread begins
-            output = request.result(max(0.0, deadline - elapsed))
+            output, seconds = request.result(deadline + _GRACE if deadline else 0)
         except Late:
             # It stops at its next operator, and the next request waits until then.
             self._options.terminate = True
@@ -76,7 +78,8 @@ class Inference:
             return None
         except Exception:  # of onnxruntime, for inputs that the dry run did not have
             return None
-        return output if np.isfinite(output).all() else None
+        is_late = 0 < deadline < seconds
+        return None if is_late or not np.isfinite(output).all() else output
 
     def forget(self) -> None:
         """Forget the request of an earlier episode."""

@@ -182,6 +182,23 @@ def test_inference_without_finite_numbers_gives_none(value: float) -> None:
     assert inference.receive(5.0) is None
 
 
+def test_inference_of_a_starved_thread_is_in_time_and_of_a_slow_network_late() -> None:
+    starved = _inference(Slow(0.3))
+    starved.request({})
+    assert starved.receive(0.2) is not None
+
+    class Busy(Slow):
+        def run(self, names: list[str], feeds: Any, options: Any) -> list[NDArray[np.float32]]:
+            begun = time.thread_time()
+            while time.thread_time() - begun < self.duration:
+                pass
+            return super().run(names, feeds, options)
+
+    slow = _inference(Busy(0.03))
+    slow.request({})
+    assert slow.receive(0.02) is None
+
+
 def test_inference_in_time_gives_its_output() -> None:
     inference = _inference(Slow(0.0))
     inference.request({})
