@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
+from signal import SIG_IGN, SIGINT, signal
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from multiprocessing.synchronize import Event
+
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.api.simulation.truth import Truth
     from cbdsl.runtime.episode_result import EpisodeResult
@@ -113,6 +117,16 @@ _JOB = 10
 
 Verdict = tuple["EpisodeResult", bool]
 
+# Set when the parent of a worker ends, which then ends after its episode.
+_ended: Event
+
+
+def _begin(ended: Event) -> None:
+    """Begin a worker: an interrupt of a terminal reaches it, too, and its parent ends it."""
+    global _ended
+    _ended = ended
+    signal(SIGINT, SIG_IGN)
+
 
 @dataclass(frozen=True)
 class _Campaign:
@@ -145,14 +159,20 @@ class _Campaign:
         parts = [seeds[first : first + step] for first in range(0, len(seeds), step)]
         # A forked process would inherit threads and simulators in the middle of their work. `map`
         # returns results in the order of the seeds.
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            for part in pool.map(self.listed, parts):
-                yield from part
+        context = get_context("spawn")
+        ended = context.Event()
+        with ProcessPoolExecutor(
+            workers, mp_context=context, initializer=_begin, initargs=(ended,)
+        ) as pool:
+            try:
+                for part in pool.map(self.listed, parts):
+                    yield from part
+            finally:
+                ended.set()
 
     def listed(self, seeds: range) -> list[Verdict]:
-        """Return the verdicts on some seeds."""
-        # A generator cannot be sent from one process to another.
-        return list(self.verdicts(seeds))
+        """Return the verdicts on some seeds, in a worker; fewer if its parent ends."""
+        return list(takewhile(lambda _: not _ended.is_set(), self.verdicts(seeds)))
 
     def verdicts(self, seeds: range) -> Iterator[Verdict]:
         """Yield the verdicts on some seeds, in this process."""

@@ -20,6 +20,7 @@ from cbdsl.cli.episodes.attendance import Interface, Yes, attend
 from cbdsl.cli.episodes.episode_page import recorded_for, require_page
 from cbdsl.cli.episodes.episode_tally import EpisodeTally
 from cbdsl.cli.episodes.live import LiveOptions, go_on, live_page
+from cbdsl.cli.episodes.parallel_episodes import run_parallel
 from cbdsl.cli.episodes.recorder import Recorder
 from cbdsl.cli.episodes.simulation import BackendName, simulation
 from cbdsl.cli.output.notes import notes
@@ -53,6 +54,12 @@ Context = Annotated[
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first episode.")]
 Episodes = Annotated[
     int, typer.Option("--episodes", min=1, help="Number of episodes, with successive seeds.")
+]
+Workers = Annotated[
+    int,
+    typer.Option(
+        "--workers", min=1, help="Simulators: number of parallel processes, which tell endings."
+    ),
 ]
 Schema = Annotated[
     str | None,
@@ -136,6 +143,7 @@ class RunOptions:
     context: Context = None
     seed: Seed = 0
     episodes: Episodes = 1
+    workers: Workers = 1
     backend: BackendName
     cameras: Cameras = None
     rate: Rate = None
@@ -243,6 +251,9 @@ def run(
     options.require_exclusive()
     live.require_page()
     request = options.request(program)
+    if options.workers > 1:
+        _run_parallel(request, options, output, live=live.live)
+        return
     if output.page is not None:
         require_page(output.page, options.episodes)
     # Contexts end in reverse order: the page and the backend close while SIGTERM still interrupts,
@@ -277,8 +288,7 @@ def run(
             print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
         tally = _run_all(runner, request, seeds, options.context, telling)
         more = partial(_episode, runner, request, seeds[-1], options.context, telling)
-        stays = None if live.live_close else view
-        go_on(stays, watch, lambda: tally.add(more()), prints=prints)
+        go_on(None if live.live_close else view, watch, lambda: tally.add(more()), prints=prints)
     _conclude(request, tally)
 
 
@@ -306,11 +316,31 @@ def _run_all(
     tally = EpisodeTally()
     for index, seed in enumerate(seeds):
         if not telling.as_json:
-            print(_heading(seed, index, len(seeds), tally))
+            print(tally.heading(seed, index, len(seeds)))
         tally.add(_episode(runner, request, seed, context, telling))
     if len(seeds) > 1 and not telling.as_json:
         print(tally.summary(states_success=bool(request.program.success)))
     return tally
+
+
+def _run_parallel(
+    request: RunRequest, options: RunOptions, output: OutputOptions, *, live: bool
+) -> None:
+    """Run episodes in processes, and print their endings and a summary."""
+    of_one = {
+        "--explain": output.explain, "--gui": options.gui, "--live": live,
+        "--page": output.page, "--record": output.record, "--watch": options.watch,
+    }  # fmt: skip
+    if shown := next((option for option, given in of_one.items() if given), None):
+        raise UsageError(f"{shown} shows episodes of one process: leave out --workers")
+    tally = run_parallel(
+        request, range(options.seed, options.seed + options.episodes),
+        Telling(None, explain=False, as_json=output.as_json).print, workers=options.workers,
+        backend=options.backend, cameras=options.cameras, context=options.context,
+    )  # fmt: skip
+    if not output.as_json:
+        print(tally.summary(states_success=bool(request.program.success)))
+    _conclude(request, tally)
 
 
 def _conclude(request: RunRequest, tally: EpisodeTally) -> None:
@@ -412,14 +442,3 @@ def _observers(telling: Telling, recording: Recording | None) -> Iterator[Episod
         yield telling.watch
     if telling.live is not None:
         yield telling.live
-
-
-def _heading(seed: int, index: int, episodes: int, tally: EpisodeTally) -> str:
-    """Return the heading of an episode, with the remaining time."""
-    if episodes == 1:
-        return f"episode with seed {seed}"
-    heading = f"episode {index + 1} of {episodes}, seed {seed}"
-    if not index:
-        return heading
-    left = tally.wall_seconds / index * (episodes - index)
-    return f"{heading}, about {left // 60:.0f} min {left % 60:02.0f} s left"

@@ -30,6 +30,16 @@ class EpisodeTally:
         self.sim_seconds += result.sim_seconds
         self.wall_seconds += result.wall_seconds
 
+    def heading(self, seed: int, index: int, episodes: int) -> str:
+        """Return the heading of an episode, with the remaining time."""
+        if episodes == 1:
+            return f"episode with seed {seed}"
+        heading = f"episode {index + 1} of {episodes}, seed {seed}"
+        if not index:
+            return heading
+        left = self.wall_seconds / index * (episodes - index)
+        return f"{heading}, about {left // 60:.0f} min {left % 60:02.0f} s left"
+
     def summary(self, *, states_success: bool) -> str:
         """Return the number of successful episodes, or of rewarded ones without success states."""
         if states_success:

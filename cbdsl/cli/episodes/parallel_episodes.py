@@ -1,0 +1,77 @@
+"""Episodes of ``cb run`` in several processes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from cbdsl.api.evaluate import evaluate
+from cbdsl.cli.episodes.episode_tally import EpisodeTally
+from cbdsl.cli.episodes.simulation import needing_simulation
+from cbdsl.cli.process.termination import termination_interrupts
+from cbdsl.diagnostics.errors import UsageError
+
+if TYPE_CHECKING:
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.runtime.episode_result import EpisodeResult
+
+
+def run_parallel(
+    request: RunRequest,
+    seeds: range,
+    tell: Callable[[EpisodeResult], None],
+    *,
+    workers: int,
+    backend: str,
+    cameras: str | None,
+    context: str | None,
+) -> EpisodeTally:
+    """Run episodes in processes, and return their tally with the wall time of all.
+
+    Args:
+        request: Program with its robot and its stage.
+        seeds: Seeds of the episodes.
+        tell: Function called with each result, in the order of the seeds.
+        workers: Number of processes.
+        backend: Name of the backend.
+        cameras: Kind of cameras; that of the backend if ``None``.
+        context: Context of the stage; drawn by share if ``None``.
+
+    Raises:
+        UsageError: The backend is a real robot, or the episodes depend on each other.
+    """
+    _require_independent(request, backend)
+    tally, began = EpisodeTally(), time.monotonic()
+
+    def take(result: EpisodeResult, _: bool) -> None:
+        tally.add(result)
+        tell(result)
+
+    with termination_interrupts():
+        evaluate(
+            request,
+            seed=seeds.start,
+            episodes=len(seeds),
+            context=context,
+            backend=backend,
+            cameras=cameras,
+            workers=workers,
+            on_episode=take,
+        )
+    tally.wall_seconds = time.monotonic() - began
+    return tally
+
+
+def _require_independent(request: RunRequest, backend: str) -> None:
+    with needing_simulation():
+        from cbdsl.backends.backend import AttendedBackend, find_backend
+
+        factory = find_backend(backend)
+    if isinstance(factory, type) and issubclass(factory, AttendedBackend):
+        raise UsageError(f"--workers is for simulators: backend '{backend}' has one robot")
+    stage = request.stage
+    if stage.world.persistent:
+        raise UsageError(
+            f"the world of stage '{stage.name}' goes on between episodes: leave out --workers"
+        )
