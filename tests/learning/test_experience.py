@@ -31,6 +31,7 @@ LATER: dict[str, object] = {
     "allocation": "",
     "features": {},
     "reason": "",
+    "stuck": [],
     "use": "",
     "wall_seconds": 0.0,
 }
