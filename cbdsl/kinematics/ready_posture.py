@@ -12,7 +12,7 @@ from cbdsl.kinematics.joint_tree import JointTree, PlacedJoint
 from cbdsl.kinematics.pose import axis_of
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.link_place import OUTER, PLACING, at_first
-from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel, Vector
+from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel
 from cbdsl.robot.weight import overloads
 
 # Candidate angles: step, and largest absolute value.
@@ -111,10 +111,6 @@ class ReadyPosture:
         points = self._points(positions)
         return not (self._crowded(points) or self._underground(points))
 
-    def tip_at(self, positions: Sequence[float]) -> Vector:
-        """Return the position of the tip in the root's frame, m."""
-        return _vector(self._points(positions)[-1])
-
     def _beyond(self) -> list[UrdfJoint]:
         """Return the joints beyond the first one of the chain."""
         names = [joint.name for joint in self._tree.joints]
@@ -190,8 +186,3 @@ def _choices(joint: UrdfJoint) -> list[float]:
     steps = range(round(-_FARTHEST / _STEP), round(_FARTHEST / _STEP) + 1)
     angles = [round(step * _STEP, 9) for step in sorted(steps, key=lambda step: (abs(step), step))]
     return [a for a in angles if joint.lower + margin <= a <= joint.upper - margin]
-
-
-def _vector(point: Floats) -> Vector:
-    x, y, z = point.tolist()
-    return x, y, z

@@ -53,7 +53,6 @@ def test_tip_position_agrees_with_pinocchio(name: str) -> None:
         row = ReadyPosture(model, chain.joints, chain.tip)
         positions = row.find()
         place, _ = _kinematics(model.path, chain, positions)
-        assert np.allclose(row.tip_at(positions), place, atol=1e-9), chain.name
         first = {joint.name: at_first(joint) for joint in model.joints.values() if joint.movable}
         given = dict(zip((joint.name for joint in chain.joints), positions, strict=True))
         at = link_frame(model, first | given, chain.tip)[1]
@@ -80,7 +79,8 @@ def test_posture_of_an_arm_on_its_base_stays_above_the_base(name: str) -> None:
     model = _model(name)
     chain = chains(model)[0]
     row = ReadyPosture(model, chain.joints, chain.tip)
-    assert row.tip_at(row.find())[2] > 0.1 * row.length
+    place, _ = _kinematics(model.path, chain, row.find())
+    assert place[2] > 0.1 * row.length
 
 
 def test_positions_keep_from_limits() -> None:
