@@ -22,7 +22,7 @@ def examine_calibration(
         return
     cameras = body.document.cameras
     for camera in loaded.document.cameras:
-        if camera not in cameras and camera is not UNKNOWN:
+        if camera not in cameras and not isinstance(camera, Unknown):
             place = source.key("cameras", camera)
             diagnostics.add("CB375", place, names=cameras, name=camera, robot=name)
 

@@ -276,7 +276,7 @@ class _ProgramCheck:
             name=document.name,
             robot=document.robot,
             stage=document.stage,
-            parameters=dict(self._scope.values),
+            parameters=dict(self._scope.values.known),
             members=self._actions.members,
             primitives=_primitives(actions),
             actions=tuple(action for action in actions if not isinstance(action, Unknown)),

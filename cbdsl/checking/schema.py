@@ -154,9 +154,10 @@ class _SchemaCheck:
                 key: self._substituted(text, program, ("look", name, "with", key))
                 for key, text in use.with_.items()
             }
-            if UNKNOWN in values.values():
+            known = {key: v for key, v in values.items() if not isinstance(v, Unknown)}
+            if len(known) < len(values):
                 continue
-            look = look_of(use, values, self._loaded.path, self._session, self._examine)
+            look = look_of(use, known, self._loaded.path, self._session, self._examine)
             if isinstance(look, str):
                 place = self._source.key("look", name)
                 self._diagnostics.add("CB645", place, name=name, program=use.program, problem=look)

@@ -7,23 +7,35 @@ reported only at its own place.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, final
 
 T = TypeVar("T")
 
 
-class Unknown(str):
-    """Placeholder for an unknown name or value; equal only to itself."""
+# Documents with faults hold the placeholder where a model requires a text, so that it is one. Type
+# checkers see a class of its own, and refuse a look-up as a text until it is known.
+if TYPE_CHECKING:
 
-    __slots__ = ()
-    __hash__ = object.__hash__
+    @final
+    class Unknown:
+        """Placeholder for an unknown name or value; equal only to itself."""
 
-    # As a text it would equal the name "unknown" of an existing part.
-    def __eq__(self, other: object) -> bool:
-        return self is other
+        def __init__(self, text: str) -> None: ...
 
-    def __ne__(self, other: object) -> bool:
-        return self is not other
+else:
+
+    class Unknown(str):
+        """Placeholder for an unknown name or value; equal only to itself."""
+
+        __slots__ = ()
+        __hash__ = object.__hash__
+
+        # As a text it would equal the name "unknown" of an existing part.
+        def __eq__(self, other: object) -> bool:
+            return self is other
+
+        def __ne__(self, other: object) -> bool:
+            return self is not other
 
 
 UNKNOWN: Final = Unknown("unknown")

@@ -29,6 +29,11 @@ class Declared(Mapping[str, Outcome[T]]):
         """Return these entries extended by others, which override entries of the same name."""
         return Declared({**self._entries, **entries}, self._broken, self._steps)
 
+    @property
+    def known(self) -> Mapping[str, T]:
+        """Entries without the unknown ones."""
+        return self._entries
+
     def __getitem__(self, name: str) -> Outcome[T]:
         if name in self._entries:
             return self._entries[name]

@@ -44,13 +44,12 @@ def fill_axes(
     for place, text in enumerate(document.axes):
         at = (*steps, "axes", place)
         value = context.substitute(text, at)
-        is_unknown = isinstance(value, Unknown)
-        if not is_unknown and value not in AXES:
+        if not isinstance(value, Unknown) and value not in AXES:
             problem = f"unknown axis '{value}'; allowed are x, y and z"
             context.add("CB580", context.source.place(*at), problem=problem)
         # A replacement keeps the number of axes, so that the components of the reference can be
         # checked.
-        if is_unknown or value not in AXES:
+        if isinstance(value, Unknown) or value not in AXES:
             value = next((axis for axis in AXES if axis not in (*document.axes, *filled)), AXES[-1])
         filled.append(value)
     return document.model_copy(update={"axes": tuple(filled)})

@@ -57,7 +57,8 @@ class MissingResources:
         # A value is wrong if one of its parts occurs in no name of a resource. With ``arm:
         # lft_arm``, the text ``$arm.position`` is correct, and the value is reported once at its
         # definition.
-        values = {match[1]: self._scope.values[match[1]] for match in parameters_in(text)}
+        given = self._scope.values.known
+        values = {m[1]: given[m[1]] for m in parameters_in(text) if m[1] in given}
         parts = {part for known in self._known for part in known.split(".")}
         wrong = {p: v for p, v in values.items() if not parts.issuperset(v.split("."))}
         if not wrong:
@@ -80,7 +81,9 @@ class MissingResources:
         """Return the values of a parameter with which a text names a resource."""
         # The text becomes a pattern, such as ``(.+)\.position`` for ``$arm.position``. Names that
         # match it show the values that would be valid.
-        others = {name: value for name, value in self._scope.values.items() if name != parameter}
+        others = {
+            name: value for name, value in self._scope.values.known.items() if name != parameter
+        }
         written = re.sub(rf"\\\${parameter}\b", "(.+)", re.escape(text), count=1)
         for name, value in others.items():
             written = re.sub(rf"\\\${name}\b", re.escape(value), written)
@@ -144,7 +147,7 @@ class MissingResources:
         signed = ".".join(f"${part}" if part in self._scope.values else part for part in parts)
         if signed == text:
             return None
-        name = re.sub(r"\$(\w+)", lambda match: self._scope.values.get(match[1], ""), signed)
+        name = re.sub(r"\$(\w+)", lambda match: self._scope.values.known.get(match[1], ""), signed)
         return signed if name in self._known else None
 
 

@@ -9,7 +9,7 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.limits import is_of_another_kind, limit_details
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
-from cbdsl.diagnostics.outcome import UNKNOWN
+from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.robot import Effector
 from cbdsl.robot.chains import root
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported
@@ -129,7 +129,7 @@ class ModelCheck:
                 self._diagnostics.add("CB310", place, names=names, **details)
 
     def _links(self) -> Iterator[tuple[Steps, str]]:
-        if self._robot.base is not UNKNOWN:
+        if not isinstance(self._robot.base, Unknown):
             yield ("base",), self._robot.base
         for name, effector in self._robot.effectors.items():
             if effector.tip is not None:

@@ -50,7 +50,7 @@ def examine_robot(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> Ch
         model: UrdfModel | None = read_urdf(loaded.path.parent / robot.model)
     except UrdfError as error:
         model = None
-        if robot.model is not UNKNOWN:
+        if not isinstance(robot.model, Unknown):
             folder = loaded.path.parent
             names = [] if is_file(folder / robot.model) else _models_near(folder)
             place = loaded.source.place("model")
