@@ -13,29 +13,29 @@ T = TypeVar("T")
 
 
 # Documents with faults hold the placeholder where a model requires a text, so that it is one. Type
-# checkers see a class of its own, and refuse a look-up as a text until it is known.
+# checkers see no text, and refuse a look-up as a text until it is known.
 if TYPE_CHECKING:
 
-    @final
-    class Unknown:
-        """Placeholder for an unknown name or value; equal only to itself."""
-
+    class _Text:
         def __init__(self, text: str) -> None: ...
 
 else:
+    _Text = str
 
-    class Unknown(str):
-        """Placeholder for an unknown name or value; equal only to itself."""
 
-        __slots__ = ()
-        __hash__ = object.__hash__
+@final
+class Unknown(_Text):
+    """Placeholder for an unknown name or value; equal only to itself."""
 
-        # As a text it would equal the name "unknown" of an existing part.
-        def __eq__(self, other: object) -> bool:
-            return self is other
+    __slots__ = ()
+    __hash__ = object.__hash__
 
-        def __ne__(self, other: object) -> bool:
-            return self is not other
+    # As a text it would equal the name "unknown" of an existing part.
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __ne__(self, other: object) -> bool:
+        return self is not other
 
 
 UNKNOWN: Final = Unknown("unknown")
