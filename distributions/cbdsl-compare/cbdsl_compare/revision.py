@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import io
+import os
 import subprocess
 import tarfile
+from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from cbdsl import UsageError
 
@@ -30,23 +33,56 @@ def written_revision(program: str, target: Path) -> tuple[str, Path | None]:
     file = Path(name).absolute()
     is_file = file.suffix in (".yaml", ".yml")
     here = file.parent if is_file else Path.cwd()
-    top = Path(_git(here, program, "rev-parse", "--show-toplevel").decode().strip()).resolve()
+    prefix = _git(here, program, "rev-parse", "--show-prefix")
     commit = _git(
         here, program, "rev-parse", "--verify", "--end-of-options", f"{revision}^{{commit}}"
     )
-    archive = _git(top, program, "archive", "--format=tar", commit.decode().strip())
+    objects = here / os.fsdecode(_git(here, program, "rev-parse", "--git-path", "objects"))
+    archive = _archive(program, commit.decode(), objects)
     with tarfile.open(fileobj=io.BytesIO(archive)) as files:
-        files.extractall(target, filter="data")
-    folder = target / here.resolve().relative_to(top)
+        files.extractall(target, filter=_inside)
+    folder = target / os.fsdecode(prefix)
     return str(folder / file.name) if is_file else name, folder
 
 
-def _git(folder: Path, program: str, *words: str) -> bytes:
+# The settings of a repository can name filters, and servers of files that it lacks, which git would
+# run. They are those of another repository here, an empty one that borrows the files.
+def _archive(program: str, commit: str, objects: Path) -> bytes:
+    """Return the files of a commit as tar, without any program of the repository or the network."""
+    settings = {
+        "GIT_OBJECT_DIRECTORY": str(objects),
+        "GIT_CONFIG_GLOBAL": os.devnull,
+        "GIT_CONFIG_NOSYSTEM": "1",
+        "GIT_ATTR_NOSYSTEM": "1",
+    }
+    kind = "sha256" if len(commit) == 64 else "sha1"
+    with TemporaryDirectory() as empty:
+        here = Path(empty)
+        _git(here, program, "init", "--quiet", "--bare", "--template=", f"--object-format={kind}")
+        return _git(here, program, "archive", "--format=tar", commit, settings=settings)
+
+
+def _inside(member: tarfile.TarInfo, target: str) -> tarfile.TarInfo | None:
+    """Return a part of an archive, or ``None`` if it leads out of the folder, as links can."""
     try:
-        done = subprocess.run(["git", "-C", folder, *words], capture_output=True)
+        return tarfile.data_filter(member, target)
+    except tarfile.FilterError:
+        return None
+
+
+def _git(
+    folder: Path, program: str, *words: str, settings: Mapping[str, str] | None = None
+) -> bytes:
+    """Return what a command of git prints, without the last line's end."""
+    try:
+        done = subprocess.run(
+            ["git", "-C", folder, *words],
+            capture_output=True,
+            env={**os.environ, **(settings or {})},
+        )
     except OSError as error:
         raise UsageError(f"{program}: git is not installed") from error
     if done.returncode:
         reason = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
         raise UsageError(f"{program}: {' '.join(reason).removeprefix('fatal: ')}")
-    return done.stdout
+    return done.stdout.removesuffix(b"\n")

@@ -73,6 +73,43 @@ def test_folder_outside_of_a_repository_is_refused(
         written_revision("own@HEAD", tmp_path / "target")
 
 
+def test_revision_runs_no_filter_of_its_repository(repository: Path, tmp_path: Path) -> None:
+    file = repository / "programs" / "own.yaml"
+    (repository / ".gitattributes").write_text("*.yaml filter=theirs\n", "utf-8")
+    git(repository, "add", ".")
+    git(repository, "commit", "-q", "-m", "filtered")
+    git(repository, "config", "filter.theirs.smudge", f"touch {tmp_path}/ran; cat")
+    program, _ = written_revision(f"{file}@HEAD", tmp_path / "target")
+    assert Path(program).read_text("utf-8") == "third"
+    assert not (tmp_path / "ran").exists()
+
+
+def test_revision_whose_files_are_elsewhere_connects_nowhere(
+    repository: Path, tmp_path: Path
+) -> None:
+    partial = tmp_path / "partial"
+    git(repository.parent, "config", "uploadpack.allowFilter", "true")
+    git(tmp_path, "clone", "-q", "--filter=blob:none", f"file://{repository.parent}", "partial")
+    git(partial, "config", "remote.origin.uploadpack", f"touch {tmp_path}/ran; git-upload-pack")
+    with pytest.raises(UsageError, match=r"own\.yaml@HEAD~1: "):
+        written_revision(f"{partial}/lab/programs/own.yaml@HEAD~1", tmp_path / "target")
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("leads_to", ["/etc/passwd", "../../../../../../etc/passwd"])
+def test_revision_with_a_link_out_of_its_folder_is_read_without_it(
+    leads_to: str, repository: Path, tmp_path: Path
+) -> None:
+    for name, place in {"inside.yaml": "own.yaml", "outside.yaml": leads_to}.items():
+        (repository / "programs" / name).symlink_to(place)
+    git(repository, "add", ".")
+    git(repository, "commit", "-q", "-m", "links")
+    _, folder = written_revision(f"{repository}/programs/own.yaml@HEAD", tmp_path / "target")
+    assert folder is not None
+    assert sorted(each.name for each in folder.iterdir()) == ["inside.yaml", "own.yaml"]
+    assert (folder / "inside.yaml").read_text("utf-8") == "third"
+
+
 def test_compare_runs_a_program_of_a_revision(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
