@@ -93,6 +93,10 @@ class Library:
         """Files that have been read, with links resolved."""
         return tuple(self._read)
 
+    def links_to(self, file: Path) -> set[Path]:
+        """Return the symbolic links by which a file was found."""
+        return {path for path, real in self._real.items() if real == file and path.is_symlink()}
+
     def model_kind(self, name: str, beside: Path) -> Kind | None:
         """Return the kind of the document that a program names below ``models``, if there is one.
 

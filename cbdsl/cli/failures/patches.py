@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cbdsl.api.open_robot import open_robot
@@ -21,7 +22,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.legible_text import encoded
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.storage.atomic_file import write_text
+from cbdsl.storage.atomic_file import require_unlinked, write_text
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import is_of, shipped
 
@@ -79,6 +80,7 @@ def patched(
 
     Raises:
         UsageError: The document to be changed is shipped with the package.
+        OSError: It cannot be written, or was found by a link that the user has not named.
     """
     request, seed = options.request(program), history.result["seed"]
     tried, before, helped = 0, -1, list[tuple[int, Patch]]()
@@ -106,12 +108,20 @@ def patched(
     after, best = max(helped, key=lambda each: each[0], default=(before, None))
     if best is None or after <= before:
         return {"tried": tried, "patch": None}
-    if apply and best.file.is_relative_to(shipped()):
-        raise UsageError(f"{best} would change a shipped document: copy it beside the program")
     if apply:
-        write_text(best.text, best.file, follow=True)
+        _write(best, request, {Path(program), Path(options.stage or program)})
     rates = {"before": before, "after": after, "seeds": len(fresh)}
     return {"tried": tried, "patch": {"edit": str(best), "applied": apply, **rates}}
+
+
+def _write(patch: Patch, request: RunRequest, named: Collection[Path]) -> None:
+    """Write a change to its document, unless only a link of a folder leads there."""
+    if patch.file.is_relative_to(shipped()):
+        raise UsageError(f"{patch} would change a shipped document: copy it beside the program")
+    links = request.library.links_to(patch.file)
+    for link in links if links.isdisjoint(named) else ():
+        require_unlinked(link)
+    write_text(patch.text, patch.file)
 
 
 def patches(

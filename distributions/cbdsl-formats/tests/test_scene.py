@@ -107,6 +107,14 @@ def test_parts_of_a_scene_become_fixtures_and_things(tmp_path: Path) -> None:
     assert all(f"# {remark}" in scene.urdf for remark in scene.remarks)
 
 
+@pytest.mark.parametrize("name", ["true", "Null", "1e3", "../x", "a: {b}", "-", "x&#10;kind: y"])
+def test_body_of_any_name_is_a_thing_of_the_stage(name: str, tmp_path: Path) -> None:
+    body = f'<body name="{name}"><freejoint/><geom size="0.02"/></body>'
+    stage, _ = converted(tmp_path, f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    assert len(stage.things) == 1
+    assert stage.contexts["scene"].placed.keys() == stage.things.keys()
+
+
 def test_keyframes_give_ranges_of_places(tmp_path: Path) -> None:
     frames = [(0.5, 0.0), (0.7, -0.2), (0.6, 0.1)]
     keys = "".join(

@@ -67,6 +67,21 @@ def test_why_tries_changes_and_applies_the_one_that_helps(
     assert json.loads(capsys.readouterr().out)["succeeded"]
 
 
+def test_why_changes_no_file_behind_a_link_in_a_folder(
+    hasty: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = hasty.read_text("utf-8")
+    link = hasty.parent / "theirs" / "programs" / hasty.name
+    link.parent.mkdir(parents=True)
+    link.symlink_to(hasty)
+    monkeypatch.chdir(link.parent.parent)
+    assert cb(monkeypatch, "why", hasty.stem, *KINEMATIC, "--apply") == 2
+    assert "links are followed for given names only" in capsys.readouterr().err
+    assert hasty.read_text("utf-8") == before
+    assert cb(monkeypatch, "why", f"programs/{hasty.name}", *KINEMATIC, "--apply") == 0
+    assert link.is_symlink() and hasty.read_text("utf-8") != before
+
+
 def test_why_offers_no_change_that_does_not_help(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -23,6 +23,8 @@ _PARALLEL = 0.9999
 # Half the width of the floor in the place of an endless plane, and half its thickness, m.
 _ENDLESS, _THIN = 2.0, 0.01
 _MOST_PIECES = 16
+# Words that YAML reads as other values than texts.
+_NO_TEXT = re.compile("true|false|yes|no|on|off|null", re.IGNORECASE)
 _UP = np.array([0.0, 0.0, 1.0])
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 _FACES = np.array(
@@ -259,7 +261,8 @@ class _SceneConversion:
 
     def _distinct(self, name: str) -> str:
         plain = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
-        return distinct(plain if plain[:1].isalpha() else f"part_{plain}", self._names)
+        is_name = plain[:1].isalpha() and not _NO_TEXT.fullmatch(plain)
+        return distinct(plain if is_name else f"part_{plain}", self._names)
 
     def _geoms(self, body: int) -> range:
         first = int(self._model.body_geomadr[body])
