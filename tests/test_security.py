@@ -32,6 +32,7 @@ _SERVER = "reporting/live/test_page_server.py:"
 _GUARD = "../distributions/cbdsl-ros2/tests/test_guard.py:"
 _WATCHDOG = "../distributions/cbdsl-drive/tests/test_watchdog.py:"
 _MCP = "../distributions/cbdsl-mcp/tests/test_server.py:"
+_NETWORKS = "../distributions/cbdsl-onnx/tests/test_checker.py:"
 _WORKERS = "training/workers/test_local_workers.py:"
 _BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
 _HERE = "test_security.py:"
@@ -72,6 +73,9 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "MuJoCo compiles it in a process of its own": (
         f"{_SOURCE}test_new_robot_from_mjcf_that_takes_long_ends",
+    ),
+    "onnxruntime runs them once, on zeros, in such a process": (
+        f"{_NETWORKS}test_check_of_a_network_runs_it_in_another_process",
     ),
     "`cb replay` and `cb report` read JSON and arrays without pickles": (
         f"{_HERE}test_recording_with_a_pickle_is_refused_and_runs_nothing",
@@ -164,6 +168,11 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         _BOUNDS,
         f"{_SOURCE}test_new_robot_from_mjcf_that_takes_long_ends",
         f"{_SOURCE}test_new_robot_from_mjcf_with_many_copies_is_refused",
+    ),
+    "500 MB, 20 s, 4 GB": (
+        _BOUNDS,
+        f"{_NETWORKS}test_check_of_a_huge_model_reads_none_of_it",
+        f"{_NETWORKS}test_check_of_a_model_that_asks_for_much_ends",
     ),
     "1 GB of arrays, checked before they are unpacked": (
         _BOUNDS,
@@ -484,6 +493,7 @@ def test_bounds_on_the_page_are_those_of_the_readers() -> None:
     from cbdsl.robot.meshes import mesh_damage, model_meshes, triangles
     from cbdsl_formats import budget
     from cbdsl_formats.mjcf import bounded_conversion
+    from cbdsl_onnx import bounded, network
 
     for words in (
         f"{composer.MOST_CHARACTERS:,} characters, {composer.LONGEST_TEXT:,} in one text",
@@ -497,6 +507,8 @@ def test_bounds_on_the_page_are_those_of_the_readers() -> None:
         f"{model_meshes.MOST_BYTES // 10**6} MB together",
         f"{bounded_conversion._MOST_SECONDS} s of processor time, "
         f"{bounded_conversion._MOST_BYTES // 10**9} GB",
+        f"{network.NetworkDocument.most_bytes // 10**6} MB, {bounded._MOST_SECONDS} s, "
+        f"{bounded._MOST_BYTES // 10**9} GB",
         f"{recorded._MOST_ARRAY_BYTES // 10**9} GB of arrays",
     ):
         assert words in page()

@@ -25,7 +25,8 @@ from cbdsl.extend.document import (
 )
 from cbdsl.extend.source import TYPES
 from cbdsl_onnx import network
-from cbdsl_onnx.model_file import ModelFacts, ModelFileError, TensorFacts, examine
+from cbdsl_onnx.bounded import examine_bounded
+from cbdsl_onnx.model_file import ModelFacts, ModelFileError, TensorFacts
 from cbdsl_onnx.network import InputSection, NetworkDocument, NormalisedSection
 from cbdsl_onnx.plan import SUBTRACTED, InputPlan, NetworkPlan, Normalisation, OutputPlan
 
@@ -262,4 +263,4 @@ class _Check:
 
 @lru_cache(maxsize=16)
 def _examined(sha256: str, data: bytes) -> _Model:
-    return _Model(sha256, examine(data))
+    return _Model(sha256, examine_bounded(data))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +18,11 @@ pytest.importorskip("onnxruntime")
 from networks import PROGRAM, linear, write
 
 import cbdsl
-from cbdsl_onnx import examples, wire
+from cbdsl_onnx import bounded, examples, wire
 from cbdsl_onnx.model_file import ModelFacts, ModelFileError, examine
 
 MODEL = examples.EXAMPLES["example"]
+_CHECKING = "import cbdsl, sys; print(len(cbdsl.check(sys.argv[1])), 'onnxruntime' in sys.modules)"
 OUTPUT = {"name": "y", "of": "right_arm.position", "gives": "displacement"}
 
 
@@ -55,6 +58,15 @@ def of_outside_indices() -> bytes:
 def of_outside_default() -> bytes:
     attribute = wire.message((1, "weights"), (5, _OUTSIDE))
     return MODEL + wire.message((25, wire.message((1, "f"), (11, attribute))))
+
+
+def of_product(size: int) -> bytes:
+    """Return a model of few bytes that multiplies two matrices of zeros."""
+    sizes = wire.message((1, 2), (2, 7), (8, "s"), (9, np.array([size, size], "<i8").tobytes()))
+    steps = (("ConstantOfShape", ("s",), "h"), ("MatMul", ("h", "h"), "g"),
+             ("ReduceMax", ("g",), "m"), ("Add", ("x", "m"), "y"))  # fmt: skip
+    ends = [[wire.value_info(name, (1, 3))] for name in "xy"]
+    return wire.model([wire.node(*each) for each in steps], [sizes], *ends)
 
 
 FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {
@@ -101,6 +113,25 @@ def test_check_of_a_huge_model_reads_none_of_it(tmp_path: Path) -> None:
     os.truncate(tmp_path / "huge.onnx", 2_000_000_000)
     (finding,) = cbdsl.check(path)
     assert finding.code == "NET101" and "500000000" in finding.message
+
+
+@pytest.mark.parametrize("size", [9_000, 10**6])
+def test_check_of_a_model_that_asks_for_much_ends(
+    size: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    short = "import cbdsl_onnx.bounded as b; b._MOST_SECONDS = 2; main()"
+    monkeypatch.setattr(bounded, "_BEGIN", bounded._BEGIN.replace("main()", short))
+    (finding,) = cbdsl.check(write(tmp_path, "large", of_product(size)))
+    assert finding.code == "NET103" and "a dry run on zeros" in finding.message
+
+
+def test_check_of_a_network_runs_it_in_another_process(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _CHECKING, str(write(tmp_path, "moved", MODEL))],
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout.split() == ["0", "False"], done.stderr
 
 
 def test_check_of_a_missing_model_names_the_file(tmp_path: Path) -> None:
