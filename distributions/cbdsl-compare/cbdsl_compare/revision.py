@@ -45,8 +45,8 @@ def written_revision(program: str, target: Path) -> tuple[str, Path | None]:
     return str(folder / file.name) if is_file else name, folder
 
 
-# The settings of a repository can name filters, and servers of files that it lacks, which git would
-# run. They are those of another repository here, an empty one that borrows the files.
+# The settings of a repository can name filters, and servers of missing files. Git would run both,
+# so that an empty repository borrows the files here.
 def _archive(program: str, commit: str, objects: Path) -> bytes:
     """Return the files of a commit as tar, without any program of the repository or the network."""
     settings = {
@@ -73,7 +73,7 @@ def _inside(member: tarfile.TarInfo, target: str) -> tarfile.TarInfo | None:
 def _git(
     folder: Path, program: str, *words: str, settings: Mapping[str, str] | None = None
 ) -> bytes:
-    """Return what a command of git prints, without the last line's end."""
+    """Return the output of a command of git, without the last line break."""
     try:
         done = subprocess.run(
             ["git", "-C", folder, *words],

@@ -1,7 +1,7 @@
 """Examination of a model in a process of its own, with bounded time and memory.
 
-onnxruntime is native code, and a model of a few lines can ask for more memory than a machine has,
-or compute for hours in one operator. Exceeding the bounds ends the process, not the command.
+onnxruntime is native code. A small model can ask for more memory than a machine has, or compute for
+hours in one operator. Exceeding the bounds ends the process, not the command.
 """
 
 from __future__ import annotations
