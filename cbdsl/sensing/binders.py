@@ -58,8 +58,8 @@ class Binders:
         kinematic_rows: Factory of the rows that follow from joint positions alone.
         sensors: Readers of the sensors.
         predicted: Reader of predicted signals.
-        declared: Function of the signal of a declared sensor or model and its size that returns
-            its reader.
+        declared: Function of a declared sensor's signal and its size that returns its reader.
+        modelled: Function of a model's signal and its size that returns its reader.
     """
 
     def __init__(
@@ -68,7 +68,8 @@ class Binders:
         kinematic_rows: KinematicRows,
         sensors: SensorReaders,
         predicted: PredictedSignals,
-        declared: Callable[[SensorSignal | ModelSignal, int], Reader],
+        declared: Callable[[SensorSignal, int], Reader],
+        modelled: Callable[[ModelSignal, int], Reader],
     ) -> None:
         self._rows, self._sight = rows, sensors.sight
         touch, sight, blobs = sensors.touch, sensors.sight, sensors.blobs
@@ -100,7 +101,7 @@ class Binders:
             AffordanceProbability: self._read_by(predicted.affordance),
             PairLikeness: self._read_by(predicted.likeness),
             SensorSignal: self._declared(declared),
-            ModelSignal: self._declared(declared),
+            ModelSignal: self._declared(modelled),
         }
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:

@@ -11,7 +11,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
 from cbdsl.sensing.binders import Binders
-from cbdsl.sensing.declared_signal import declared_reader
+from cbdsl.sensing.declared_signal import model_reader, sensor_reader
 from cbdsl.sensing.density import Sampler, joint_sampler
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.predicted_signals import PredictedSignals
@@ -27,7 +27,12 @@ from cbdsl.sensing.table.table import Form, RowPart
 from cbdsl.sensing.table.tips import Tips
 from cbdsl.sensing.vision.shapes.surface import SurfaceSampler
 from cbdsl.types.casts import Chain
-from cbdsl.types.resource import NetForces, Origin, Resource, Source
+from cbdsl.types.resource import (
+    NetForces,
+    Origin,
+    Resource,
+    Source,
+)
 from cbdsl.types.resource_type import POSITION
 from cbdsl.types.source_record import (
     Normals,
@@ -85,7 +90,8 @@ class Signals:
             self.kinematic_rows,
             self.sensors,
             predicted,
-            lambda signal, size: declared_reader(signal, size, len(self.joints), self),
+            lambda signal, size: sensor_reader(signal, size, len(self.joints), self),
+            lambda signal, size: model_reader(signal, size, len(self.joints), self),
         )
         self.reset()
 

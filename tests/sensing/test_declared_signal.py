@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from cbdsl.robot.source_kind import SOURCES
-from cbdsl.sensing.declared_signal import declared_reader
+from cbdsl.sensing.declared_signal import sensor_reader
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.registry import PluginError
-from cbdsl.types.resource import ModelSignal
 
 JOINTS = 4
 Sensor = Callable[[], Reading | None]
@@ -38,7 +37,7 @@ def read(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Reading | None]:
             return sensor
 
         monkeypatch.setitem(globals(), "made", build)
-        return declared_reader(signal, 2, JOINTS, signals)()  # type: ignore[arg-type]
+        return sensor_reader(signal, 2, JOINTS, signals)()  # type: ignore[arg-type]
 
     return make
 
@@ -84,14 +83,4 @@ def test_exception_of_a_reader_names_the_package(
         read(broken)
     with pytest.raises(PluginError, match="wrist: TypeError"):
         monkeypatch.setitem(globals(), "made", None)
-        declared_reader(SimpleNamespace(kind="wrist", sensor="left"), 2, JOINTS, None)  # type: ignore[arg-type]
-
-
-def test_number_of_a_model_that_is_not_finite_names_the_model(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    bad = Reading(np.array([0.0, np.nan]), None, 0)
-    monkeypatch.setitem(globals(), "made", lambda signal, signals: lambda: bad)
-    signal = ModelSignal("push", "network", "arm", f"{__name__}:made", (), None)
-    with pytest.raises(SensorError, match="the model push is not finite"):
-        declared_reader(signal, 2, JOINTS, None)()
+        sensor_reader(SimpleNamespace(kind="wrist", sensor="left"), 2, JOINTS, None)  # type: ignore[arg-type]
