@@ -126,11 +126,11 @@ def transition_text(automaton: AutomatonData, made: Transition) -> str:
     if to != step["step"]:
         # The change that made the exit hold is its reason; its other parts held before.
         named = {name: letter for name, letter in changed.items() if name in reason} or changed
-        return f"{step['step']} -> {to}, since {_clauses(named, automaton['kinds'])}"
+        return f"{step['step']} -> {to}, since {clauses(named, automaton['kinds'])}"
     begins = all(before[name] == Predicate.INACTIVE for name in changed)
     if begins:
         changed = {name: letter for name, letter in changed.items() if letter != "0"}
-    words = _clauses(changed, automaton["kinds"])
+    words = clauses(changed, automaton["kinds"])
     return f"{step['step']} {'begins' if begins else 'goes on'}{': ' if words else ''}{words}"
 
 
@@ -138,7 +138,7 @@ def _holds(exit_letters: Mapping[str, str], letters: Mapping[str, str]) -> bool:
     return all(letters[name] in own for name, own in exit_letters.items())
 
 
-def _clauses(letters: Mapping[str, str], kinds: Mapping[str, str]) -> str:
+def clauses(letters: Mapping[str, str], kinds: Mapping[str, str]) -> str:
     """Return the values of members as clauses, such as ``lift is at rest``."""
     return ", ".join(f"{name} {_value(kinds.get(name), own)}" for name, own in letters.items())
 

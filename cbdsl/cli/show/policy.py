@@ -59,18 +59,19 @@ def show_policy(
     frequency of more than --above. The formats dot, mermaid and svg draw a diagram of these.
     """
     form = read_format(format_, as_json)
-    policy, programs = _read(name)
+    policy, kinds = _read(name)
+    programs = [member for member, kind in kinds.items() if kind == "program"]
     transitions = policy_transitions(policy, above, all_, programs)
     if form is Format.JSON:
         print_json(policy_data(policy, transitions))
     elif form is Format.TEXT:
-        print(policy_text(policy, transitions), end="")
+        print(policy_text(policy, transitions, kinds), end="")
     else:
         print(drawing(policy_graph(transitions), form), end="")
 
 
-def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
-    """Return a policy, and the names of the programs that its program uses.
+def _read(name: str) -> tuple[PolicyDocument, dict[str, str]]:
+    """Return a policy, and the kinds of those members of its program that are no controllers.
 
     Raises:
         UsageError, DiagnosticsError: The policy does not exist or has errors.
@@ -86,14 +87,18 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
             raise
         path = library.locate(ProgramDocument, name)
     document = read_document(path).document
+    served: Path | None = path
     if isinstance(document, ProgramDocument):
-        return _written(document, path), frozenset(document.use)
-    policy = library.read(path, PolicyDocument).document
-    require_legible(policy, path)
-    served = library.find(ProgramDocument, policy.program, path)
+        policy = _written(document, path)
+    else:
+        policy = library.read(path, PolicyDocument).document
+        require_legible(policy, path)
+        served = library.find(ProgramDocument, policy.program, path)
     if served is None:
-        return policy, frozenset()
-    return policy, frozenset(library.read(served, ProgramDocument).document.use)
+        return policy, {}
+    program = library.read(served, ProgramDocument).document
+    programs = dict.fromkeys(program.use, "program")
+    return policy, programs | dict.fromkeys(program.conditions, "condition")
 
 
 def _written(document: object, path: Path) -> PolicyDocument:

@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from cbdsl.diagnostics.counting import count
 from cbdsl.documents.policy import PolicyDocument
+from cbdsl.reporting.automaton_text import clauses
 from cbdsl.reporting.drawing.pictogram import LETTERS
 from cbdsl.reporting.drawing.policy_graph import ending, percent, title
 from cbdsl.reporting.drawing.policy_transitions import Arc, Decision, PolicyTransitions, decisions
+from cbdsl.types.state import ANY, Predicate
+
+#: Kinds of members that are no controllers: ``program`` or ``condition``.
+Kinds = Mapping[str, str]
 
 _WIDTH = 80
 
 
-def policy_text(policy: PolicyDocument, graph: PolicyTransitions) -> str:
+def policy_text(policy: PolicyDocument, graph: PolicyTransitions, kinds: Kinds) -> str:
     """Return the action of a policy in every state, and the likely transitions, as text.
 
     Args:
         policy: Policy; all of its states are listed.
         graph: Transition graph of the policy; only its transitions are listed.
+        kinds: Kinds of the policy's members.
     """
-    return "\n".join(_policy(policy, graph)) + "\n"
+    return "\n".join(_policy(policy, graph, kinds)) + "\n"
 
 
-def _policy(policy: PolicyDocument, graph: PolicyTransitions) -> Iterator[str]:
+def _policy(policy: PolicyDocument, graph: PolicyTransitions, kinds: Kinds) -> Iterator[str]:
     yield title(graph)
     yield from _item("state", ", ".join(policy.predicates))
     letters = [letter for letter in LETTERS if letter != "*" or "*" in "".join(policy.policy)]
@@ -44,9 +50,20 @@ def _policy(policy: PolicyDocument, graph: PolicyTransitions) -> Iterator[str]:
     learned = any(decision.value is not None for decision in decisions(policy))
     yield f"\nPolicy{' (Q: discounted reward to expect)' if learned else ''}"
     yield from _table(_rows(decisions(policy)))
+    yield "\nStates in words"
+    for each in decisions(policy):
+        words = _state_words(policy.predicates, each.state, kinds)
+        yield from _item(each.state, words, len(each.state) + 2)
     if graph.arcs:
         yield f"\nWhat follows, above {percent(graph.above)}"
         yield from _tree(graph)
+
+
+def _state_words(members: Sequence[str], state: str, kinds: Kinds) -> str:
+    """Return what a state says of its active members: ``reach is at rest, touch is moving``."""
+    silent = (Predicate.INACTIVE, ANY)
+    told = {name: own for name, own in zip(members, state, strict=True) if own not in silent}
+    return clauses(told, kinds) or ("any" if ANY in state else "nothing is active")
 
 
 def _rows(known: Iterable[Decision]) -> Iterator[tuple[str, ...]]:
@@ -111,7 +128,7 @@ def _node_text(graph: PolicyTransitions, decision: Decision, again: bool) -> str
     return "  ".join(parts)
 
 
-def _item(name: str, value: str) -> Iterator[str]:
-    first, *others = wrap(value, _WIDTH - 14) or [""]
-    yield f"  {name:<12}{first}"
-    yield from (f"{'':14}{line}" for line in others)
+def _item(name: str, value: str, width: int = 12) -> Iterator[str]:
+    first, *others = wrap(value, _WIDTH - 2 - width) or [""]
+    yield f"  {name:<{width}}{first}"
+    yield from (f"  {'':{width}}{line}" for line in others)

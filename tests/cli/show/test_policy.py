@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from cbdsl.documents.policy import PolicyDocument
+from cbdsl.reporting.drawing.policy_transitions import policy_transitions
+from cbdsl.reporting.text.policy_text import policy_text
 from cbdsl.yaml_text.writer import write
 from tests.cli.test_main import cb
 from tests.reporting.drawing.policies import learned
@@ -49,6 +52,34 @@ def test_text_has_each_state_with_its_numbers(
     assert ["X1", "3", "3"] in rows
     assert "  └ 100 % X0  reach\n    └ 100 % X1  rewarded 100 %\n" in text
     assert all(len(line) <= 80 for line in text.splitlines())
+
+
+def test_states_of_a_learned_policy_are_told_by_names_of_members(
+    file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = printed(monkeypatch, capsys, file)
+    told = text.partition("\nStates in words\n")[2].partition("\n\n")[0].splitlines()
+    assert told[0] == "  XX  nothing is active"
+    assert set(told[1:]) == {
+        "  X0  reach is moving",
+        "  X1  reach is at rest",
+        "  X-  reach is undefined",
+        "  0X  searchtrack is moving",  # its program is nowhere
+    }
+
+
+def test_states_name_programs_and_conditions_by_their_own_words(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = printed(monkeypatch, capsys, "programs/reachtouch.yaml")
+    told = text.partition("\nStates in words\n")[2]
+    assert re.search(r"^  \S+  searchtrack succeeded$", told, re.MULTILINE)
+    members = ("wide", "carry")
+    policy = PolicyDocument(
+        cbdsl=1, kind="policy", name="p", program="p", predicates=members, policy={"1*": "carry"}
+    )
+    words = policy_text(policy, policy_transitions(policy), {"wide": "condition"})
+    assert "  1*  wide is true\n" in words
 
 
 def test_json_of_a_policy_holds_all_counts(
