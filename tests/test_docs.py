@@ -374,6 +374,35 @@ def test_films_of_the_gallery_exist_and_are_small() -> None:
     assert all((DOCS / each).stat().st_size < 1_000_000 for pair in films for each in pair)
 
 
+def findings_of_edits() -> list[tuple[str, str, str]]:
+    """Return the lines, their replacements and the findings of the page that compares notations."""
+    text = (DOCS / "one_task.md").read_text("utf-8")
+    row = r"^\| `([^`]+)` \| (?:`([^`]+)` )?\| ((?:CB\d+|none): .*) \|$"
+    return re.findall(row, text, re.MULTILINE)
+
+
+@pytest.mark.parametrize(("line", "becomes", "finding"), findings_of_edits())
+def test_compared_notation_has_the_findings_of_its_page(
+    line: str, becomes: str, finding: str, tmp_path: Path
+) -> None:
+    text = (ROOT / "programs" / "pick.yaml").read_text("utf-8")
+    assert text.count(f" {line}\n") == 1
+    edited = text.replace(line, becomes) if becomes else re.sub(rf" +{re.escape(line)}\n", "", text)
+    file = tmp_path / "pick.yaml"
+    file.write_text(edited, encoding="utf-8")
+    found = [f"{each.code}: {each.message}" for each in check_document(file)]
+    if finding.startswith("none"):
+        assert not found
+    else:
+        assert any(each.startswith(finding) for each in found), found
+
+
+def test_compared_notation_is_that_of_the_shipped_program() -> None:
+    assert len(findings_of_edits()) == 7
+    shown = next(block for block in blocks(DOCS / "one_task.md") if block.language == "yml")
+    assert shown.text in (ROOT / "programs" / "pick.yaml").read_text("utf-8")
+
+
 def words(text: str) -> int:
     """Return the number of words of a text, without numbers and signs."""
     return sum(bool(re.search("[A-Za-z]", word)) for word in text.split())
