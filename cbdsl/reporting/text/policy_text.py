@@ -60,10 +60,10 @@ def _policy(policy: PolicyDocument, graph: PolicyTransitions, kinds: Kinds) -> I
 
 
 def _state_words(members: Sequence[str], state: str, kinds: Kinds) -> str:
-    """Return what a state says of its active members: ``reach is at rest, touch is moving``."""
+    """Return a state by the names of its active members: ``reach is at rest, touch is moving``."""
     silent = (Predicate.INACTIVE, ANY)
-    told = {name: own for name, own in zip(members, state, strict=True) if own not in silent}
-    return clauses(told, kinds) or ("any" if ANY in state else "nothing is active")
+    active = {name: own for name, own in zip(members, state, strict=True) if own not in silent}
+    return clauses(active, kinds) or ("any" if ANY in state else "nothing is active")
 
 
 def _rows(known: Iterable[Decision]) -> Iterator[tuple[str, ...]]:

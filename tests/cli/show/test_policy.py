@@ -54,13 +54,13 @@ def test_text_has_each_state_with_its_numbers(
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
-def test_states_of_a_learned_policy_are_told_by_names_of_members(
+def test_states_of_a_learned_policy_are_printed_with_names_of_members(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = printed(monkeypatch, capsys, file)
-    told = text.partition("\nStates in words\n")[2].partition("\n\n")[0].splitlines()
-    assert told[0] == "  XX  nothing is active"
-    assert set(told[1:]) == {
+    printed_states = text.partition("\nStates in words\n")[2].partition("\n\n")[0].splitlines()
+    assert printed_states[0] == "  XX  nothing is active"
+    assert set(printed_states[1:]) == {
         "  X0  reach is moving",
         "  X1  reach is at rest",
         "  X-  reach is undefined",
@@ -72,8 +72,8 @@ def test_states_name_programs_and_conditions_by_their_own_words(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = printed(monkeypatch, capsys, "programs/reachtouch.yaml")
-    told = text.partition("\nStates in words\n")[2]
-    assert re.search(r"^  \S+  searchtrack succeeded$", told, re.MULTILINE)
+    printed_states = text.partition("\nStates in words\n")[2]
+    assert re.search(r"^  \S+  searchtrack succeeded$", printed_states, re.MULTILINE)
     members = ("wide", "carry")
     policy = PolicyDocument(
         cbdsl=1, kind="policy", name="p", program="p", predicates=members, policy={"1*": "carry"}
