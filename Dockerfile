@@ -9,7 +9,7 @@ FROM system
 COPY . /src
 RUN python3 -m venv /opt/cbdsl \
     && /opt/cbdsl/bin/pip install --no-cache-dir --disable-pip-version-check --constraint /src/constraints.txt "/src[sim]" \
-        /src/distributions/cbdsl-calibration /src/distributions/cbdsl-compare /src/distributions/cbdsl-mujoco /src/distributions/cbdsl-report \
+        /src/distributions/cbdsl-calibration /src/distributions/cbdsl-compare /src/distributions/cbdsl-mujoco /src/distributions/cbdsl-report /src/distributions/cbdsl-why \
     && rm -rf /src
 USER cb
 ENV PATH=/opt/cbdsl/bin:$PATH

@@ -5,7 +5,7 @@ BIN = $(dir $(PYTHON))
 MARK ?= slow or not slow
 
 # What a bill of materials is made for.
-USERS = sim,editor,calibration,compare,drive,formats,learn,report,mujoco,gym,trees,mcap,mcp,lerobot,onnx,ros2
+USERS = sim,editor,calibration,compare,drive,formats,learn,report,mujoco,gym,trees,mcap,mcp,lerobot,onnx,ros2,why
 
 # First-party plug-ins.
 DISTRIBUTIONS = $(wildcard distributions/cbdsl-*)

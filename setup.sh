@@ -12,10 +12,12 @@ extras=$(sed -n '/^\[project.optional-dependencies\]/,/^\[/s/^\([a-z0-9]*\) = .*
 for name in $(echo "$extra" | tr ',' ' '); do
     echo "$extras" | grep -qx "$name" || fail "unknown extra '$name'; allowed: $(echo "$extras" | paste -sd ' ' -)"
 done
-# These come with the simulated robot; MCP has tools for comparisons, and ROS 2 links of drivers.
+# These come with the simulated robot; MCP has tools for comparisons, which state first causes, and
+# ROS 2 links of drivers.
 parts=",$extra,"
-case "$parts" in *,sim,*) parts="${parts}calibration,compare,mujoco,report," ;; esac
+case "$parts" in *,sim,*) parts="${parts}calibration,compare,mujoco,report,why," ;; esac
 case "$parts" in *,mcp,*) parts="${parts}compare," ;; esac
+case "$parts" in *,compare,*) parts="${parts}why," ;; esac
 case "$parts" in *,ros2,*) parts="${parts}drive," ;; esac
 projects=""
 for project in distributions/cbdsl-*; do

@@ -28,8 +28,6 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reporting.recorded import read_recording
-from cbdsl.reporting.why.diagnosis import diagnose
-from cbdsl.reporting.why.history import History
 from cbdsl.runtime.episode import EpisodeError
 from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
 from cbdsl.runtime.episode_result import EpisodeResult
@@ -38,6 +36,8 @@ from cbdsl.runtime.recording import Recording
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from cbdsl.yaml_text.library import Library
+from cbdsl_why.diagnosis import diagnose
+from cbdsl_why.history import History
 
 Edits = Mapping[str, Sequence[tuple[str, str]]]
 #: The seven kinds of FailGen (AHA, arXiv 2410.00371).

@@ -25,7 +25,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import Camera, Correction, RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.storage.atomic_file import make_room, write_text
+from cbdsl.storage.atomic_file import make_room, require_unlinked, write_text
 from cbdsl.storage.digest import digest_of_bytes, digest_of_text
 from cbdsl.yaml_text.writer import write
 
@@ -34,6 +34,6 @@ __all__ = [
     "CalibrationOrigin", "Camera", "CatalogDocument", "CatalogProvenance", "Correction",
     "Curve", "Gaussian", "Kernel", "MetaCatalogDocument", "ModelDocument", "PolicyDocument",
     "ProgramDocument", "Provenance", "RobotDocument", "SchemaDocument", "StageDocument",
-    "StepColumns", "digest", "digest_of_bytes", "digest_of_text", "make_room", "write",
-    "write_text",
+    "StepColumns", "digest", "digest_of_bytes", "digest_of_text", "make_room",
+    "require_unlinked", "write", "write_text",
 ]  # fmt: skip

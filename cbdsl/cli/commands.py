@@ -19,7 +19,6 @@ SUMMARIES = {
     "validate": "Check documents without running them.",
     "list": "List the documents that commands find by name from this folder, with their paths.",
     "run": "Run a program on a robot and print each change of its state.",
-    "why": "Print the first cause of an episode that did not succeed.",
     "explain": "Print the meaning of a diagnostic, its reason, and a wrong and a correct example.",
     "show": "Show types, potentials, resources, plug-ins, programs, meshes, and learned knowledge.",
     "new": "Write a robot, program or stage to start from.",
@@ -40,7 +39,6 @@ GROUPS = ("show", "new", "export")
 #: Modules of commands that are not named like their command.
 _MODULES = {
     "show": "show.show",
-    "why": "failures.why",
     "playground": "episodes.playground",
 }
 
@@ -55,6 +53,7 @@ _PROVIDERS = {
     "drive.serve": "cbdsl[ros2]",
     "drive.watchdog": "cbdsl[ros2]",
     "export.tree": "cbdsl[trees]",
+    "why": "cbdsl[why]",
 }
 
 

@@ -40,33 +40,38 @@ if TYPE_CHECKING:
     from cbdsl.cli.commands import commands_of
     from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
     from cbdsl.cli.episodes.pages import open_page, require_room, write_page
+    from cbdsl.cli.episodes.recorder import Recorder
     from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
-    from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
     from cbdsl.cli.output.compilation import told_of_compilation
     from cbdsl.cli.output.progress import Progress
     from cbdsl.cli.output.terminal import print_json, print_line, print_problem, print_table
     from cbdsl.cli.process.native_output import shown_on_failure
     from cbdsl.cli.process.termination import stop_requests, termination_interrupts
+    from cbdsl.cli.run import RunOptions
     from cbdsl.cli.show.meta_catalog import read_meta_catalog
     from cbdsl.diagnostics.counting import count
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.diagnostics.reason import reason
     from cbdsl.reporting.bundle import Bundle
+    from cbdsl.reporting.page import page
     from cbdsl.reporting.stack_command import stack_command
     from cbdsl.reporting.template import filled
+    from cbdsl.runtime.episode import EpisodeError, Runner
+    from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObservers
+    from cbdsl.runtime.recording_folder import RecordingFolder
     from cbdsl.storage.journal import MOST_BYTES, Journal, RowForm, rows_of
 
 __all__ = [
     "BACKEND", "CAMERAS", "MOST_BYTES", "SEED", "Above", "BackendName", "Bundle", "Cameras",
-    "CommandGroup", "DiagnosticsError", "Interface", "Journal", "Json", "Open", "Policy",
-    "Program", "Progress", "Rate", "RowForm", "TerminalPerson", "UsageError", "With",
+    "CommandGroup", "DiagnosticsError", "EpisodeError", "EpisodeListeners", "EpisodeObservers",
+    "Interface", "Journal", "Json", "Open", "Policy", "Program", "Progress", "Rate", "Recorder",
+    "RecordingFolder", "RowForm", "RunOptions", "Runner", "TerminalPerson", "UsageError", "With",
     "call_text", "command_text", "commands_of", "count", "declaration", "default_engine",
-    "diagnosed", "diagnosis_row", "engine_of", "filled", "given", "grouped",
-    "needing_simulation", "open_page", "print_json", "print_line", "print_problem",
-    "print_table", "quiet_stderr", "read_assignments", "read_meta_catalog", "read_program",
-    "read_request", "reason", "recorded_episodes", "require_room", "require_workers", "rows_of",
-    "shown_on_failure", "simulation", "stack_command", "stop_requests",
-    "termination_interrupts", "told_of_compilation", "verb", "write_page",
+    "engine_of", "filled", "given", "grouped", "needing_simulation", "open_page", "page",
+    "print_json", "print_line", "print_problem", "print_table", "quiet_stderr", "read_assignments",
+    "read_meta_catalog", "read_program", "read_request", "reason", "require_room",
+    "require_workers", "rows_of", "shown_on_failure", "simulation", "stack_command",
+    "stop_requests", "termination_interrupts", "told_of_compilation", "verb", "write_page",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

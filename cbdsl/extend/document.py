@@ -18,11 +18,13 @@ from typing import TYPE_CHECKING
 from cbdsl.extend.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from cbdsl.checking.knowledge.program_digest import program_digest
     from cbdsl.checking.lookup.document_search import find_document
     from cbdsl.checking.robot.checked_robot import CheckedRobot
     from cbdsl.checking.session import Session
     from cbdsl.diagnostics.diagnostics import Diagnostics
     from cbdsl.diagnostics.entry import Entry
+    from cbdsl.diagnostics.lines import lines_of
     from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
     from cbdsl.documents.document import (
         NAME_PATTERN,
@@ -38,19 +40,22 @@ if TYPE_CHECKING:
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
+    from cbdsl.editor.fixes import Fix, replaced
     from cbdsl.storage.contents import contents
     from cbdsl.storage.digest import digest_of_bytes
     from cbdsl.types.resource import ModelSignal, Origin, Resource
     from cbdsl.types.resource_type import ResourceType
+    from cbdsl.yaml_text.composer import compose
     from cbdsl.yaml_text.library import Library, is_of
     from cbdsl.yaml_text.loaded import Loaded
+    from cbdsl.yaml_text.node import Node
 
 __all__ = [
     "NAME_PATTERN", "UNKNOWN", "CheckedRobot", "Diagnostics", "Document", "Duration", "Entry",
-    "FileSection", "Kind", "Library", "Loaded", "ModelSignal", "Name", "Origin", "Outcome",
-    "PositiveCount", "ProgramDocument", "Resource", "ResourceType", "RobotDocument", "Section",
-    "Session", "StageDocument", "Unknown", "contents", "digest_of_bytes", "find_document",
-    "is_of", "quantity",
+    "FileSection", "Fix", "Kind", "Library", "Loaded", "ModelSignal", "Name", "Node", "Origin",
+    "Outcome", "PositiveCount", "ProgramDocument", "Resource", "ResourceType", "RobotDocument",
+    "Section", "Session", "StageDocument", "Unknown", "compose", "contents", "digest_of_bytes",
+    "find_document", "is_of", "lines_of", "program_digest", "quantity", "replaced",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

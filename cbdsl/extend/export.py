@@ -25,20 +25,8 @@ if TYPE_CHECKING:
     from cbdsl.storage.atomic_file import replace_file
 
 __all__ = [
-    "EXPORTS",
-    "DrawnLink",
-    "Export",
-    "Floats",
-    "Recorded",
-    "UsageError",
-    "inverse",
-    "placed",
-    "product",
-    "quaternion_about",
-    "read_links",
-    "replace_file",
-    "title_of",
-    "turned",
+    "EXPORTS", "DrawnLink", "Export", "Floats", "Recorded", "UsageError", "inverse", "placed",
+    "product", "quaternion_about", "read_links", "replace_file", "title_of", "turned",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

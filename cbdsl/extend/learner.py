@@ -29,23 +29,9 @@ if TYPE_CHECKING:
     from cbdsl.runtime.policies.policy import Choice, Policy
 
 __all__ = [
-    "NO_FEATURES",
-    "Choice",
-    "ContinuingLearner",
-    "Document",
-    "Experience",
-    "Features",
-    "Learner",
-    "LearnerClass",
-    "Policy",
-    "SchemaLearner",
-    "Section",
-    "Transition",
-    "TrialSummary",
-    "UsageError",
-    "model_documents",
-    "policy_document",
-    "quantity",
+    "NO_FEATURES", "Choice", "ContinuingLearner", "Document", "Experience", "Features", "Learner",
+    "LearnerClass", "Policy", "SchemaLearner", "Section", "Transition", "TrialSummary",
+    "UsageError", "model_documents", "policy_document", "quantity",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

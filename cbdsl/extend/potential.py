@@ -22,18 +22,8 @@ if TYPE_CHECKING:
     from cbdsl.types.resource_type import TYPES, ResourceType
 
 __all__ = [
-    "TYPES",
-    "Condition",
-    "Controller",
-    "Floats",
-    "Navigation",
-    "Potential",
-    "PotentialError",
-    "PotentialType",
-    "ResourceType",
-    "Rule",
-    "Setting",
-    "potential",
+    "TYPES", "Condition", "Controller", "Floats", "Navigation", "Potential", "PotentialError",
+    "PotentialType", "ResourceType", "Rule", "Setting", "potential",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

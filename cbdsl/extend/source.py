@@ -34,24 +34,9 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "DISTANCE",
-    "FORCE",
-    "HEADING",
-    "ORIENTATION",
-    "POSE",
-    "POSITION",
-    "TORQUE",
-    "TYPES",
-    "WRENCH",
-    "Origin",
-    "Read",
-    "Reading",
-    "ResourceType",
-    "RobotDocument",
-    "Sensor",
-    "SensorSignal",
-    "Signals",
-    "SourceKind",
+    "DISTANCE", "FORCE", "HEADING", "ORIENTATION", "POSE", "POSITION", "TORQUE", "TYPES", "WRENCH",
+    "Origin", "Read", "Reading", "ResourceType", "RobotDocument", "Sensor", "SensorSignal",
+    "Signals", "SourceKind",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

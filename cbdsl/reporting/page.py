@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from cbdsl.program.transition import Transition
 from cbdsl.reporting.automaton_text import AutomatonData, transition_text
 from cbdsl.reporting.bundle import Bundle
+from cbdsl.reporting.diagnoses import DIAGNOSES
 from cbdsl.reporting.drawing.automaton_graph import automaton_graph
 from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reporting.drawn_links import DrawnLink, LinkShape, read_links
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled
 from cbdsl.reporting.thumbnails import chosen, encoded
-from cbdsl.reporting.why.diagnosis import diagnose
-from cbdsl.reporting.why.history import History
 from cbdsl.robot.meshes.mesh_reader import Mesh
 from cbdsl.runtime.recording import HOLDERS
 
@@ -40,7 +39,8 @@ def _data(recorded: Recorded) -> str:
     links, automata = read_links(summary["robot"], summary["joints"]), summary.get("automata", {})
     header = {
         "result": {key: summary["result"][key] for key in _RESULT},
-        **_causes(recorded),
+        "failed": recorded.failed,
+        "causes": [c._asdict() for find in DIAGNOSES.all().values() for c in find(recorded)],
         "joints": summary["joints"],
         "controllers": summary["controllers"],
         "holders": [*summary["controllers"], *HOLDERS],
@@ -65,18 +65,6 @@ def _data(recorded: Recorded) -> str:
 
 #: Results shown on a page; none of them depends on the machine.
 _RESULT = ("program", "stage", "context", "seed", "rewarded", "sim_seconds", "ending")
-
-
-def _causes(recorded: Recorded) -> dict[str, object]:
-    """Return whether it failed, and the causes with their times, s, the first one first."""
-    history = History(recorded)
-    diagnosis = diagnose(history)
-    causes = () if diagnosis.cause is None else (diagnosis.cause, *diagnosis.others)
-    rows = [
-        {"kind": each.kind, "time": float(history.time[each.tick]), "text": each.sentence}
-        for each in causes
-    ]
-    return {"failed": diagnosis.failed, "causes": rows}
 
 
 def drawn_steps(automata: Mapping[str, AutomatonData]) -> dict[str, object]:

@@ -65,6 +65,13 @@ class Recorded:
         return list(self.summary["controllers"])
 
     @property
+    def failed(self) -> bool:
+        """True if the episode did not succeed."""
+        result = self.summary["result"]
+        is_rewarded = result["rewarded"] or result.get("outcome") == "success"
+        return not result.get("succeeded", is_rewarded)  # older recordings lack it
+
+    @property
     def signals(self) -> Mapping[str, NDArray[Any]]:
         """Values by name of the resource, NaN while undefined, shape (T, ...)."""
         return {name: self.arrays[f"signal_{name}"] for name in self.summary["signals"]}

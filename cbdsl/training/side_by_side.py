@@ -7,7 +7,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from cbdsl.training.task import Task
 from cbdsl.training.workers.local_workers import Supervisor, run_on_workers
-from cbdsl.types.registry import PluginError, Registry
+from cbdsl.types.registry import Registry, require_function
 
 J = TypeVar("J", bound=Task)
 
@@ -15,15 +15,8 @@ Cluster: TypeAlias = Callable[[Sequence[Any], str, Supervisor[Any]], None]
 """Function that runs tasks on the cluster of an address, and reports to a supervisor."""
 
 
-def _validate(_: str, entry: Any) -> Cluster:
-    if not callable(entry):
-        raise PluginError(f"is a {type(entry).__name__}, and no function")
-    cluster: Cluster = entry
-    return cluster
-
-
 CLUSTERS: Registry[Cluster] = Registry(
-    "cluster", "cbdsl.clusters", {}, _validate, providers={"dask": "cbdsl[learn]"}
+    "cluster", "cbdsl.clusters", {}, require_function, providers={"dask": "cbdsl[learn]"}
 )
 
 

@@ -203,6 +203,13 @@ class Registry(Generic[Entry]):
         return self._offers
 
 
+def require_function(_: str, entry: Any) -> Any:
+    """Return an entry that is a function, for the registries of functions."""
+    if not callable(entry):
+        raise PluginError(f"is a {type(entry).__name__}, and no function")
+    return entry
+
+
 def _distribution(point: EntryPoint) -> tuple[str, str]:
     return (point.dist.name, point.dist.version) if point.dist else ("unknown", "unknown")
 

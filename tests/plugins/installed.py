@@ -14,6 +14,7 @@ from cbdsl.backends.backend import BACKENDS
 from cbdsl.cli.commands import COMMANDS
 from cbdsl.documents.kinds import KINDS
 from cbdsl.learning.learner import LEARNERS
+from cbdsl.reporting.diagnoses import DIAGNOSES
 from cbdsl.reporting.export_format import EXPORTS
 from cbdsl.robot.driver_kind import DRIVERS
 from cbdsl.robot.source_kind import SOURCES
@@ -34,6 +35,7 @@ REGISTRIES: tuple[Registry[Any], ...] = (
     COMMANDS,
     EXPORTS,
     CLUSTERS,
+    DIAGNOSES,
     MODEL_FORMATS,
 )
 

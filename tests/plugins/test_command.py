@@ -74,12 +74,20 @@ def test_a_built_in_command_is_not_replaced(
     assert "Run a program on a robot" in shown.out
 
 
+@pytest.mark.parametrize(
+    ("words", "package"),
+    [(("reproduce", "all"), "cbdsl-reproduction"), (("why", "reach", "--try"), "cbdsl[why]")],
+)
 def test_a_command_of_a_missing_package_names_the_package(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    words: tuple[str, ...],
+    package: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(COMMANDS, "_offers", {})
-    assert cb(monkeypatch, "reproduce", "all") == 2
-    assert "pip install 'cbdsl-reproduction'" in capsys.readouterr().err
+    assert cb(monkeypatch, *words) == 2
+    told = capsys.readouterr().err
+    assert f"pip install '{package}'" in told and told.count("\n") == 1
 
 
 @pytest.mark.parametrize("words", [("serve", "dexter", "--seed", "3"), ("watchdog", "dexter")])

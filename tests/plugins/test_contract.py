@@ -21,7 +21,7 @@ GROUPS = sorted(
 #: Entries of the package, one of each group.
 ENTRIES = (
     "ideal", "echo", "wrist_force_torque", "keep_out", "orbit", "calm", "monte_carlo", "playlist",
-    "DEMO100", "tally", "table", "mjcf", "xacro", "dask",
+    "DEMO100", "tally", "table", "mjcf", "xacro", "dask", "why",
 )  # fmt: skip
 PUBLIC = re.compile(r"cbdsl(\.api(\.\w+)?|\.extend\.\w+)?|cbdsl_\w+(\.\w+)*")
 MODULES = [

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
+import json
 import re
+import zlib
 from dataclasses import replace
 from html.parser import HTMLParser
 from importlib.resources import files
+from typing import Any
 
 import pytest
 
+from cbdsl.reporting.diagnoses import DIAGNOSES
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import Recorded
 
@@ -31,6 +36,14 @@ class Loads(HTMLParser):
             self.policy = given.get("content") or ""
 
 
+def header_of(text: str) -> dict[str, Any]:
+    """Return the header of a page's data."""
+    (packed,) = re.findall(r'id="data">([^<]*)<', text)
+    content = zlib.decompress(base64.b64decode(packed))
+    header: dict[str, Any] = json.loads(content[4 : 4 + int.from_bytes(content[:4], "little")])
+    return header
+
+
 @pytest.fixture(scope="module")
 def text(recorded: Recorded) -> str:
     return page(recorded)
@@ -49,6 +62,17 @@ def test_the_same_recording_gives_the_same_page(recorded: Recorded, text: str) -
     result = {**recorded.summary["result"], "wall_seconds": 99.0, "renderer": "another"}
     other = replace(recorded, summary={**recorded.summary, "result": result})
     assert page(other) == text
+
+
+def test_page_without_an_installed_diagnosis_has_the_end_and_no_causes(
+    recorded: Recorded, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failed = {**recorded.summary["result"], "succeeded": False}
+    other = replace(recorded, summary={**recorded.summary, "result": failed})
+    DIAGNOSES.refresh()
+    monkeypatch.setattr(DIAGNOSES, "_offers", {})
+    header = header_of(page(other))
+    assert (header["failed"], header["causes"]) == (True, [])
 
 
 def test_page_of_a_recording_is_below_5_mb(text: str) -> None:

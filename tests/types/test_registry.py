@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.types.registry import PluginError, Registry
+from cbdsl.types.registry import PluginError, Registry, require_function
 from tests.plugins.installed import on_path, write_package
 
 GROUP = "cbdsl.tests"
@@ -145,3 +145,8 @@ def test_registry_of_potentials_returns_the_built_in_ones() -> None:
     from cbdsl.types.potential import POTENTIALS
 
     assert POTENTIALS.registry.all() == dict(POTENTIALS)
+
+
+def test_require_function_of_another_object_is_refused_with_its_type() -> None:
+    with pytest.raises(PluginError, match="is a int, and no function"):
+        require_function("count", 3)

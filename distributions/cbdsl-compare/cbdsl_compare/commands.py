@@ -15,14 +15,12 @@ from cbdsl.extend.command import (
     Cameras,
     Json,
     default_engine,
-    diagnosed,
-    diagnosis_row,
     read_assignments,
-    recorded_episodes,
 )
 from cbdsl_compare.comparison import EpisodePair, ProgramComparison
 from cbdsl_compare.comparison import compare as compare_programs
 from cbdsl_compare.revision import written_revision
+from cbdsl_why.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 
 _SIDE = "PROGRAM or PROGRAM@REVISION, with options behind commas: reach@HEAD~1,stage=absent."
 First = Annotated[str, typer.Argument(metavar="A", help=_SIDE)]

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from cbdsl.api.requests.run_request import read_request
-from cbdsl.cli.failures.patches import patches
+from cbdsl_why.patches import patches
 from tests.cli.arm_program import TEXT
 from tests.cli.test_main import cb
-from tests.reporting.conftest import Record, kept, play, record
+from tests.conftest import ROOT
+from tests.reporting.conftest import Record
+from tests.reporting.test_page import header_of
 from tests.runtime.synthetic import World
-
-__all__ = ["Record", "kept", "play", "record"]
 
 
 @pytest.fixture(scope="module")
@@ -124,14 +124,16 @@ def test_why_of_a_program_runs_it_and_marks_the_moment_on_the_page(
     words = ("why", "reach", "--stage", "out_of_reach", "--backend", "kinematic", "--seed", "1")
     assert cb(monkeypatch, *words, "--page", str(page), "--no-open") == 0
     assert "out of reach: reach stayed" in capsys.readouterr().out
-    assert "First cause" in page.read_text("utf-8")
+    header = header_of(page.read_text("utf-8"))
+    assert header["failed"] and header["causes"][0]["kind"] == "out_of_reach"
+    assert header["causes"][0]["text"].startswith("reach stayed")
 
 
 def test_why_of_a_program_that_changed_since_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    text = (Path(__file__).parents[3] / "programs/searchtrack.yaml").read_text("utf-8")
+    text = (ROOT / "programs/searchtrack.yaml").read_text("utf-8")
     program = tmp_path / "searchtrack.yaml"
     program.write_text(text.replace("transitions: 100", "transitions: 2"), "utf-8")
     words = ("--stage", "absent", "--backend", "kinematic", "--record", "tapes")

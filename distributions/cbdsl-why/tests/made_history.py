@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from cbdsl.reporting.recorded import Recorded
-from cbdsl.reporting.why.history import History
 from cbdsl.runtime.recording import FLAGS, SIGHT
+from cbdsl_why.history import History
 
 TICKS = 120
 CONTROLLERS = ("reach", "hold", "posture")

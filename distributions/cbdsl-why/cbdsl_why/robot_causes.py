@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cbdsl.reporting.why.history import HALT, FailureCause, History, spans
+from cbdsl_why.history import HALT, FailureCause, History, spans
 
 # A joint lags if it is this share of the largest lead behind its reference for this long, s.
 _LAG, _LAG_TIME = 0.5, 0.3

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.reporting.why.history import END, FailureCause, History
-from cbdsl.runtime.fruitless_loop import last_rounds
+from cbdsl.extend.diagnosis import last_rounds
+from cbdsl_why.history import END, FailureCause, History
 
 # Number of equal rounds that make a cycle.
 _ROUNDS = 3

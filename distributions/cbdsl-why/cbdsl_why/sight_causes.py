@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cbdsl.reporting.why.history import FailureCause, History, Mask
+from cbdsl_why.history import FailureCause, History, Mask
 
 # Time before a loss in which the kind of sight counts, s.
 _BEFORE = 0.5

@@ -11,16 +11,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cbdsl.cli.arguments.option_groups import grouped
-from cbdsl.cli.arguments.options import Open
-from cbdsl.cli.episodes.pages import open_page, require_room, write_page
-from cbdsl.cli.episodes.simulation import needing_simulation
-from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
-from cbdsl.cli.run import RunOptions
-from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl import DiagnosticsError, UsageError
+from cbdsl.extend.command import (
+    Open,
+    RunOptions,
+    grouped,
+    needing_simulation,
+    open_page,
+    require_room,
+    write_page,
+)
+from cbdsl_why.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 
 if TYPE_CHECKING:
-    from cbdsl.reporting.why.history import History
+    from cbdsl_why.history import History
 
 What = Annotated[
     str,
@@ -81,13 +85,13 @@ def why(
             row = diagnosis_row(history, diagnosis)
             row["changed"] = _changed(history)
             if (try_ or apply) and diagnosis.failed:
-                from cbdsl.cli.failures.patches import patched
+                from cbdsl_why.patches import patched
 
                 row |= patched(what, options, history, diagnosis, apply=apply)
             print(json.dumps(row, ensure_ascii=False) if as_json else _text(row), flush=True)
             unknown |= diagnosis.failed and diagnosis.cause is None
             if page is not None and diagnosis.failed:
-                from cbdsl.reporting.page import page as page_of
+                from cbdsl.extend.command import page as page_of
 
                 write_page(page_of(history.recorded), page, prints=not as_json)
                 if open_:
@@ -103,7 +107,7 @@ def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
     path = Path(what)
     if _is_recording(what):
         with needing_simulation():
-            from cbdsl.reporting.recorded import find_recordings
+            from cbdsl.extend.diagnosis import find_recordings
         yield iter(find_recordings(path))
         return
     with TemporaryDirectory() as folder:
@@ -127,9 +131,7 @@ def _is_recording(what: str) -> bool:
 
 def _changed(history: History) -> str:
     """Return a clause if the recorded program has changed since, or is not there; else empty."""
-    from cbdsl.checking.knowledge.program_digest import program_digest
-    from cbdsl.documents.robot import RobotDocument
-    from cbdsl.yaml_text.library import Library
+    from cbdsl.extend.document import Library, RobotDocument, program_digest
 
     file, sha256 = history.summary.get("source", ("", ""))
     if not file:

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_history import TICKS, course, flags, made, predicates, transition
 
-import cbdsl.reporting.why as package
+import cbdsl_why as package
 from cbdsl.reporting.recorded import read_recording
-from cbdsl.reporting.why.diagnosis import FAMILIES, diagnose
-from cbdsl.reporting.why.history import History
 from cbdsl.runtime.causes import BLOCKED, OUT_OF_REACH, SINGULAR, RestCause
 from cbdsl.runtime.recording import SIGHT
+from cbdsl_why.diagnosis import FAMILIES, diagnose
+from cbdsl_why.history import History
 from tests.reporting.conftest import Record
-from tests.reporting.why.made import TICKS, course, flags, made, predicates, transition
 from tests.runtime.synthetic import World
 
 END = slice(60, TICKS)

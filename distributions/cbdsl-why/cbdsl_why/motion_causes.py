@@ -7,8 +7,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cbdsl.reporting.why.history import ControllerCourse, FailureCause, History, Mask
-from cbdsl.runtime import causes
+from cbdsl.extend.diagnosis import (
+    BLOCKED,
+    CLEARANCE,
+    CREEPING,
+    LIMITS,
+    OPTIMUM,
+    OUT_OF_REACH,
+    SINGULAR,
+)
+from cbdsl_why.history import ControllerCourse, FailureCause, History, Mask
 
 # Time before the end of an action in which a level's holder counts, s.
 _LOOKED_AT = 0.5
@@ -20,13 +28,13 @@ _SMALL_SHARE = 0.5
 _MOSTLY = 0.5
 
 _KINDS = {
-    causes.LIMITS: "limit",
-    causes.OUT_OF_REACH: "out_of_reach",
-    causes.BLOCKED: "not_followed",
-    causes.CLEARANCE: "guard",
-    causes.OPTIMUM: "stuck",
-    causes.SINGULAR: "stuck",
-    causes.CREEPING: "stuck",
+    LIMITS: "limit",
+    OUT_OF_REACH: "out_of_reach",
+    BLOCKED: "not_followed",
+    CLEARANCE: "guard",
+    OPTIMUM: "stuck",
+    SINGULAR: "stuck",
+    CREEPING: "stuck",
 }
 
 
@@ -105,13 +113,11 @@ def _reason(
     numbers["share"] = share
     holders = Counter(history.holder(int(n)) for n in course.holders[late])
     holder = holders.most_common(1)[0][0]
-    if stated and not stated.startswith("held by") and stated != causes.CREEPING:
+    if stated and not stated.startswith("held by") and stated != CREEPING:
         kind = next((kind for key, kind in _KINDS.items() if stated.startswith(key)), "stuck")
         return kind, f": {stated}"
     limits = _most(arrays["at_limits"], late, history.summary["joints"])
-    if holder == causes.LIMITS or (
-        limits and share < _SMALL_SHARE and holder in ("", causes.OPTIMUM)
-    ):
+    if holder == LIMITS or (limits and share < _SMALL_SHARE and holder in ("", OPTIMUM)):
         return "limit", f": {' and '.join(limits) or 'joints'} were at their limits"
     if holder in _KINDS:
         return _KINDS[holder], f" at a {holder}"

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.kinematics.quaternion import quaternion_about, turned
-from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.why.history import ControllerCourse, FailureCause, History, spans
+from cbdsl.extend.diagnosis import Floats, quaternion_about, turned
+from cbdsl_why.history import ControllerCourse, FailureCause, History, spans
 
 # Angle between a hand and its orientation at the object above which it is turned, rad.
 _TURNED = math.radians(15)

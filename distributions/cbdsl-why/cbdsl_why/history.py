@@ -10,12 +10,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.kinematics.quaternion import product, turned
-from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.drawn_links import read_links
-from cbdsl.reporting.link_pose import placed
-from cbdsl.reporting.recorded import Recorded
-from cbdsl.runtime.recording import FLAGS, HOLDERS, SIGHT
+from cbdsl.extend.diagnosis import (
+    FLAGS,
+    HOLDERS,
+    SIGHT,
+    Floats,
+    Recorded,
+    placed,
+    product,
+    read_links,
+    turned,
+)
 
 Mask = NDArray[np.bool_]
 
@@ -149,12 +154,6 @@ class History:
         """Limits of the main program; empty if unrecorded."""
         limits: Mapping[str, Any] = self.summary.get("limits", {}).get(self.result["program"], {})
         return limits
-
-    @property
-    def failed(self) -> bool:
-        """True if the episode did not succeed."""
-        is_rewarded = self.result["rewarded"] or self.result.get("outcome") == "success"
-        return not self.result.get("succeeded", is_rewarded)  # older recordings lack it
 
     @property
     def is_complete(self) -> bool:

@@ -8,9 +8,12 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cbdsl.api.open_robot import open_robot
-from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.failures.structural_patches import (
+from cbdsl import DiagnosticsError, UsageError, open_robot
+from cbdsl.api.documents import ProgramDocument, StageDocument, require_unlinked, write_text
+from cbdsl.api.shipped import shipped_folder
+from cbdsl.extend.command import read_assignments
+from cbdsl.extend.document import compose, is_of
+from cbdsl_why.structural_patches import (
     ALLOCATION,
     EXITS,
     Patch,
@@ -18,20 +21,13 @@ from cbdsl.cli.failures.structural_patches import (
     changed_allocations,
     changed_exits,
 )
-from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-from cbdsl.diagnostics.legible_text import encoded
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.storage.atomic_file import require_unlinked, write_text
-from cbdsl.yaml_text.composer import compose
-from cbdsl.yaml_text.library import is_of, shipped
 
 if TYPE_CHECKING:
-    from cbdsl.api.requests.run_request import RunRequest
-    from cbdsl.cli.run import RunOptions
-    from cbdsl.reporting.why.diagnosis import Diagnosis
-    from cbdsl.reporting.why.history import History
-    from cbdsl.yaml_text.node import Node
+    from cbdsl import RunRequest
+    from cbdsl.extend.command import RunOptions
+    from cbdsl.extend.document import Node
+    from cbdsl_why.diagnosis import Diagnosis
+    from cbdsl_why.history import History
 
 # Largest numbers of changes that are tried, on the seed of the failure and on fresh seeds.
 _MOST, _CHOSEN = 30, 3
@@ -95,7 +91,9 @@ def patched(
         given = read_assignments(options.with_)
         for patch in patches(request, kind, history.result["actions"], given):
             try:
-                changed = options.request(program, {patch.file: encoded(patch.text)})
+                changed = options.request(
+                    program, {patch.file: patch.text.encode("utf-8", "backslashreplace")}
+                )
             except (DiagnosticsError, UsageError):
                 continue  # a value that does not check is no patch
             tried += 1
@@ -116,7 +114,7 @@ def patched(
 
 def _write(patch: Patch, request: RunRequest, named: Collection[Path]) -> None:
     """Write a change to its document, unless only a link of a folder leads there."""
-    if patch.file.is_relative_to(shipped()):
+    if patch.file.is_relative_to(shipped_folder()):
         raise UsageError(f"{patch} would change a shipped document: copy it beside the program")
     links = request.library.links_to(patch.file)
     for link in links if links.isdisjoint(named) else ():

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from cbdsl.api.requests.run_request import read_request
-from cbdsl.cli.failures.patches import patches
-from cbdsl.cli.failures.structural_patches import ALLOCATION, EXITS, PatchedText, changed_exits
 from cbdsl.yaml_text.composer import compose
+from cbdsl_why.patches import patches
+from cbdsl_why.structural_patches import ALLOCATION, EXITS, PatchedText, changed_exits
 from tests.cli.test_main import cb
 from tests.conftest import ROOT
 

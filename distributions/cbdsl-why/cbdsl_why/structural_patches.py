@@ -7,12 +7,10 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from cbdsl.diagnostics.lines import lines_of
-from cbdsl.editor.fixes import Fix, replaced
+from cbdsl.extend.document import Fix, lines_of, replaced
 
 if TYPE_CHECKING:
-    from cbdsl.documents.robot import RobotDocument
-    from cbdsl.yaml_text.node import Node
+    from cbdsl.extend.document import Node, RobotDocument
 
 #: Families of structural changes; a change of a number has its key as its family.
 EXITS, ALLOCATION = "exits", "allocation"

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from cbdsl.reporting.why.contact_causes import contact
-from cbdsl.reporting.why.course_causes import course, order
-from cbdsl.reporting.why.history import FailureCause, History
-from cbdsl.reporting.why.motion_causes import motion
-from cbdsl.reporting.why.robot_causes import robot
-from cbdsl.reporting.why.sight_causes import sight
+from cbdsl.extend.diagnosis import MarkedCause, Recorded
+from cbdsl_why.contact_causes import contact
+from cbdsl_why.course_causes import course, order
+from cbdsl_why.history import FailureCause, History
+from cbdsl_why.motion_causes import motion
+from cbdsl_why.robot_causes import robot
+from cbdsl_why.sight_causes import sight
 
 # Causes this close together have one origin, which the earlier family names, s.
 _TOGETHER = 0.2
@@ -61,7 +62,7 @@ class Diagnosis(NamedTuple):
 
 def diagnose(history: History) -> Diagnosis:
     """Return the first cause of an episode; the truth of a simulation is not read."""
-    failed = history.failed
+    failed = history.recorded.failed
     missing = (
         ""
         if history.is_complete
@@ -85,3 +86,11 @@ def diagnose(history: History) -> Diagnosis:
     first = min(together, key=lambda each: each[1])[0]
     others = tuple(cause for cause, _ in causes if cause is not first)
     return Diagnosis(failed, first, others, ruled_out, missing)
+
+
+def causes(recorded: Recorded) -> list[MarkedCause]:
+    """Return the causes of a failed episode for its page, the first one first."""
+    history = History(recorded)
+    diagnosis = diagnose(history)
+    rows = () if diagnosis.cause is None else (diagnosis.cause, *diagnosis.others)
+    return [MarkedCause(each.kind, float(history.time[each.tick]), each.sentence) for each in rows]

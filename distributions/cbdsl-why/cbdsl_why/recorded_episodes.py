@@ -7,16 +7,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cbdsl.cli.episodes.recorder import Recorder
-from cbdsl.cli.episodes.simulation import simulation
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.runtime.recording_folder import RecordingFolder
+from cbdsl import RunRequest, UsageError
+from cbdsl.extend.command import Recorder, RecordingFolder, simulation
 
 if TYPE_CHECKING:
-    from cbdsl.api.requests.run_request import RunRequest
-    from cbdsl.reporting.why.diagnosis import Diagnosis
-    from cbdsl.reporting.why.history import FailureCause, History
-    from cbdsl.runtime.episode_result import EpisodeResult
+    from cbdsl import EpisodeResult
+    from cbdsl_why.diagnosis import Diagnosis
+    from cbdsl_why.history import FailureCause, History
 
 
 def recorded_episodes(
@@ -44,9 +41,8 @@ def recorded_episodes(
         UsageError: The backend is unknown, or a real robot.
     """
     with simulation(request, backend, gui=gui, cameras=cameras) as (embodied, kinematics):
-        from cbdsl.backends.backend import AttendedBackend
-        from cbdsl.runtime.episode import EpisodeError, Runner
-        from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObservers
+        from cbdsl.extend.backend import AttendedBackend
+        from cbdsl.extend.command import EpisodeError, EpisodeListeners, EpisodeObservers, Runner
 
         if isinstance(embodied, AttendedBackend):
             raise UsageError("on a real robot, cb run --record FOLDER and cb why FOLDER")
@@ -63,9 +59,9 @@ def recorded_episodes(
 
 def diagnosed(file: Path) -> tuple[History, Diagnosis]:
     """Return the history of a recording, and its diagnosis."""
-    from cbdsl.reporting.recorded import read_recording
-    from cbdsl.reporting.why.diagnosis import diagnose
-    from cbdsl.reporting.why.history import History
+    from cbdsl.extend.diagnosis import read_recording
+    from cbdsl_why.diagnosis import diagnose
+    from cbdsl_why.history import History
 
     history = History(read_recording(file))
     return history, diagnose(history)
