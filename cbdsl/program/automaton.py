@@ -216,7 +216,7 @@ class _Compiler:
                 pattern = waiting.pop(0)
                 earlier = next((p for p, to in before if _yields(p, to, pattern, exit_.to)), None)
                 if earlier is not None:
-                    waiting[:0] = _outside(pattern, earlier)
+                    waiting[:0] = _outside(pattern, earlier, exit_.to)
                     continue
                 before.append((pattern, exit_.to))
                 self._put(pattern, exit_.to)
@@ -270,11 +270,14 @@ def _yields(earlier: str, earlier_to: To, later: str, to: To) -> bool:
     return after < before or (after == before and fewer)
 
 
-def _outside(pattern: str, other: str) -> list[str]:
-    """Return the parts of a pattern of active members outside of another pattern."""
+def _outside(pattern: str, other: str, to: To) -> list[str]:
+    """Return the parts of a target's pattern of active members outside of another pattern."""
     parts = []
     for place, (own, letter) in enumerate(zip(pattern, other, strict=True)):
         others = [each for each in outside(own, letter) if each != Predicate.INACTIVE]
+        if to.end == "success" and own == ANY and Predicate.QUIESCENT in others:
+            # An explicit rest in a success asks for arrival.
+            others[-1:] = [ARRIVED, STUCK]
         if others:
             parts += [pattern[:place] + each + pattern[place + 1 :] for each in others]
             pattern = pattern[:place] + letter + pattern[place + 1 :]
