@@ -113,16 +113,19 @@ def test_served_judge_counts_episodes_of_a_served_robot(node: str) -> None:
     assert all(verdict.outcomes["rewarded"] for verdict in outcomes), outcomes
 
 
-def test_row_of_a_served_robot_depends_on_drivers_and_on_ros2(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("driven", [True, False])
+def test_row_depends_on_its_engine_and_if_served_on_drivers(
+    monkeypatch: pytest.MonkeyPatch, driven: bool
 ) -> None:
     pytest.importorskip("cbdsl_ros2")
+    pytest.importorskip("cbdsl_mujoco")
     files: list[str] = []
     monkeypatch.setattr(
         row_digests, "_files", lambda found: files.extend(map(Path.as_posix, found)) or "0"
     )
     row_digests._code.cache_clear()
-    row_digests._world.__wrapped__("mujoco", driven=True)
+    row_digests._world.__wrapped__("mujoco", driven=driven)
     row_digests._code.cache_clear()
-    for file in ("cbdsl_drive/motion_watch.py", "cbdsl_ros2/ros2_link.py", "mujoco/engine.py"):
-        assert any(each.endswith(file) for each in files), file
+    assert any(each.endswith("mujoco/engine.py") for each in files)
+    for file in ("cbdsl_drive/motion_watch.py", "cbdsl_ros2/ros2_link.py"):
+        assert any(each.endswith(file) for each in files) == driven, file

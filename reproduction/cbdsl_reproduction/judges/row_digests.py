@@ -86,13 +86,14 @@ def _code(packages: tuple[str, ...]) -> str:
 @cache
 def _world(engine: str, *, driven: bool) -> str:
     """Return the digest of a simulated world, and of the drivers of a robot that is served."""
-    if not driven:
-        return _code((*_WORLD, f"backends/{engine}"))
-    specs = [spec for name in ("cbdsl_drive", "cbdsl_ros2") if (spec := find_spec(name))]
+    packages = _code((*_WORLD, f"backends/{engine}", *(["robot"] if driven else [])))
+    drivers = ["cbdsl_drive", "cbdsl_ros2"] if driven else []
+    specs = [spec for name in (f"cbdsl_{engine}", *drivers) if (spec := find_spec(name))]
     folders = [Path(each) for spec in specs for each in spec.submodule_search_locations or ()]
-    served = _files(file for folder in folders for file in folder.rglob("*.py"))
-    packages = _code((*_WORLD, f"backends/{engine}", "robot"))
-    return digest_of_text(packages + served)[:_LENGTH]
+    if not folders:
+        return packages
+    others = _files(file for folder in folders for file in folder.rglob("*.py"))
+    return digest_of_text(packages + others)[:_LENGTH]
 
 
 @cache
