@@ -46,7 +46,9 @@ def test_public_module_names_exist_and_are_documented(name: str) -> None:
 @pytest.mark.parametrize("name", GROUPS)
 def test_contract_names_exist_and_are_documented(name: str) -> None:
     module = import_module(name)
-    group, test = f"cbdsl.{name.rpartition('.')[2]}s", f"cbdsl.extend.contract.test_{name[13:]}"
+    noun = name.rpartition(".")[2]
+    plural = f"{noun[:-2]}es" if noun.endswith("is") else f"{noun}s"
+    group, test = f"cbdsl.{plural}", f"cbdsl.extend.contract.test_{noun}"
     assert group in str(module.__doc__) and test in str(module.__doc__)
     assert import_module(test)
     for public in module.__all__:
