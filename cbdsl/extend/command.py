@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from cbdsl.cli.arguments.command_text import command_text
     from cbdsl.cli.arguments.option_groups import grouped
     from cbdsl.cli.arguments.options import Above, Cameras, Json, Open, Policy, Program, Rate, With
+    from cbdsl.cli.arguments.run_options import RunOptions
     from cbdsl.cli.arguments.workers import require_workers
     from cbdsl.cli.command_group import CommandGroup
     from cbdsl.cli.commands import commands_of
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
     from cbdsl.cli.output.terminal import print_json, print_line, print_problem, print_table
     from cbdsl.cli.process.native_output import shown_on_failure
     from cbdsl.cli.process.termination import stop_requests, termination_interrupts
-    from cbdsl.cli.run import RunOptions
     from cbdsl.cli.show.meta_catalog import read_meta_catalog
     from cbdsl.diagnostics.counting import count
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
