@@ -141,7 +141,7 @@ class Supervision:
             for reason, numbers in self._failures.items()
         ]
         if failures:
-            raise UsageError("; ".join(failures) + "; --resume goes on with what is missing")
+            raise UsageError("; ".join(failures) + "; --resume runs the missing trials")
 
 
 def _progress(tasks: Sequence[LearningTask], at_once: int) -> LearningProgress:
@@ -179,7 +179,7 @@ def _kept(tasks: Sequence[LearningTask]) -> str:
     if not journals:
         return ""
     more = f" and {len(journals) - 1} more" if len(journals) > 1 else ""
-    return f"; what is over is kept in {journals[0]}{more}: --resume goes on with it"
+    return f"; finished episodes are kept in {journals[0]}{more}: --resume continues them"
 
 
 def _print_files(files: Sequence[Path]) -> None:

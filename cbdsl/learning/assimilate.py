@@ -35,7 +35,7 @@ from cbdsl.documents.schema import (
 from cbdsl.learning.allocation_tree import Tally, TriedContext, grow_tallies, rankings
 from cbdsl.learning.always import Always
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.knowledge_documents import curve_of
+from cbdsl.learning.knowledge_documents import curve_of, learned_by
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.attempts import attempts
@@ -219,10 +219,13 @@ class Assimilate:
 
     def documents(self, summary: TrialSummary) -> list[Document]:
         """Return the learned schema with its learning curve and provenance."""
-        learned = {"curve": curve_of(summary.experiences), "provenance": summary.provenance}
-        description = "Learned by ASSIMILATE; provenance says from what, and how to learn it again."
+        learned = {
+            "description": learned_by(summary),
+            "curve": curve_of(summary.experiences),
+            "provenance": summary.provenance,
+        }
         schema = self.document(summary.name, summary.program)
-        return [schema.model_copy(update={"description": description, **learned})]
+        return [schema.model_copy(update=learned)]
 
     def document(self, name: str, program: CheckedProgram) -> SchemaDocument:
         """Return a schema of the present knowledge, without curve and provenance."""

@@ -11,6 +11,12 @@ from cbdsl.learning.experience import Experience
 from cbdsl.learning.learner import TrialSummary
 
 
+def learned_by(summary: TrialSummary) -> str:
+    """Return the description of a learned document."""
+    learner = summary.provenance.algorithm.upper()
+    return f"Learned by {learner}; provenance says from what, and how to learn it again."
+
+
 def model_documents(
     summary: TrialSummary, densities: Mapping[str, Kernel | Gaussian]
 ) -> list[ModelDocument]:
@@ -41,12 +47,11 @@ def policy_document(
         learned: Further keys of the document, such as ``values``.
     """
     program = summary.program
-    learner = summary.provenance.algorithm.upper()
     return PolicyDocument(
         cbdsl=1,
         kind="policy",
         name=summary.name,
-        description=f"Learned by {learner}; provenance says from what, and how to learn it again.",
+        description=learned_by(summary),
         program=program.name,
         predicates=program.members,
         policy=dict(policy),

@@ -55,6 +55,5 @@ class Transfer(Assimilate):
         """Return the internal models, and the schema that draws from them."""
         (schema,) = super().documents(summary)
         models = {model: f"{summary.name}_{each}" for model, each in summary.models.items()}
-        description = "Learned by TRANSFER; provenance says from what, and how to learn it again."
-        updated = schema.model_copy(update={"models": models, "description": description})
+        updated = schema.model_copy(update={"models": models})
         return [*model_documents(summary, self.densities()), updated]

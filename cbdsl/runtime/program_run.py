@@ -339,23 +339,19 @@ class ProgramRun:
         # The child is first, because its predicate is part of the state that is read below.
         if child is not None:
             child.advance()
-        self._parts.clock.advance()
-        self._parts.running.restart_quiescence(action)
-        state = self._parts.running.read(action)
+        clock, running = self._parts.clock, self._parts.running
+        clock.advance()
+        running.restart_quiescence(action)
+        state = running.read(action)
         # A program limits its own transitions. It may also end again with its last predicate
         # within one tick, and then it is over although the state has not changed.
         if child is None or action.composition is not None:
-            overdue = self._is_overdue(action, state)
+            # Its time is over, in total or without activity.
+            overdue = clock.is_over or clock.is_idle(strives=running.strives(action, state))
         else:
             overdue = child.predicate != "0"
         if state != self.state or overdue:
             self._transit(state)
-
-    def _is_overdue(self, action: Action, state: str) -> bool:
-        """Return whether an action has used up its time, in total or without activity."""
-        if self._parts.clock.is_over:
-            return True
-        return self._parts.clock.is_idle(strives=self._parts.running.strives(action, state))
 
     def _transit(self, state: str) -> None:
         assert self._action is not None

@@ -86,7 +86,7 @@ def values_lines(
     beyond = _beyond_tip(model, effector, offset)
     near, far = (f"{100 * (part * length + beyond):.2g} cm" for part in _BEFORE)
     return [
-        "  # Distance of the tip from the surface of what it reaches for, and its bounds.",
+        "  # Distance of the tip from the surface of the object to reach, and its bounds.",
         f"  values: {{gap: {near}, nearest: {near}, farthest: {far}}}",
     ]
 

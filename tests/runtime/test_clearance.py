@@ -176,7 +176,7 @@ def test_fixture_to_avoid_holds_all_links_back(tmp_path: Path) -> None:
 
 
 def test_seen_object_to_avoid_holds_all_links_back(tmp_path: Path) -> None:
-    """The palm is sent into the ball, whose place the links know from the cameras alone."""
+    """Send the palm into the ball, whose place the links know from the cameras alone."""
     request, apart = avoiding(tmp_path, "stereo.sat_10", "stereo.sat_10"), list[float]()
     with open_robot(request, backend="kinematic", cameras="ideal") as robot:
 

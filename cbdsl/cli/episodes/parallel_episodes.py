@@ -27,7 +27,7 @@ def run_parallel(
     cameras: str | None,
     context: str | None,
 ) -> EpisodeTally:
-    """Run episodes in processes, and return their tally with the wall time of all.
+    """Run episodes in processes, and return their tally with the wall time.
 
     Args:
         request: Program with its robot and its stage.
