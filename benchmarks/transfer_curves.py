@@ -83,7 +83,7 @@ def per_transition(episodes: Iterable[Episode]) -> float:
 
 
 def main() -> None:
-    """Print both curves, and the numbers of episodes until an arm has learned."""
+    """Print both curves, and the rewarded episodes and means of each trial."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--trials", type=int, default=3)
     parser.add_argument("--episodes", type=int, default=40)

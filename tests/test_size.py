@@ -1,4 +1,4 @@
-"""Ceilings of the packages' sizes, which only fall."""
+"""Ceilings of the packages' sizes, and of their sum."""
 
 from __future__ import annotations
 
@@ -12,6 +12,10 @@ from tests.size import excess, lowered, read_limits, sizes, text
 def test_packages_keep_within_their_ceilings() -> None:
     """Delete, take the lines from another ceiling, or move a part to a distribution."""
     assert excess(sizes(ROOT / "cbdsl"), read_limits()) == {}
+
+
+def test_ceilings_together_are_at_most_85_000_lines() -> None:
+    assert sum(read_limits().values()) <= 85_000
 
 
 def test_every_package_has_a_ceiling() -> None:

@@ -219,8 +219,8 @@ def test_objects_to_avoid_without_a_distance_are_one_finding(tmp_path: Path) -> 
 
 
 def test_objects_to_avoid_may_be_parameters(tmp_path: Path) -> None:
-    text = AVOIDING.format(goal="stereo.sat_10", avoid="$what, $where")
-    given = "parameters: {what: stereo.sat_10, where: table}\nuse:"
+    text = AVOIDING.format(goal="stereo.sat_10", avoid="$target, $fixture")
+    given = "parameters: {target: stereo.sat_10, fixture: table}\nuse:"
     (tmp_path / "avoid.yaml").write_text(text.replace("use:", given), "utf-8")
     guards = load(tmp_path / "avoid.yaml").program.guards
     assert [each.name for each in guards.seen] == ["stereo.sat_10"]

@@ -27,7 +27,7 @@ def test_fault_holds_the_robot(kind: str, node: str, rate: float) -> None:
     if outcome.passed:
         return
     # Beside other tests, the operating system may suspend any process of a trial for longer than
-    # its deadline. A fault of the contract repeats; `contract_trials.py` counts every miss.
+    # its deadline. Two further trials have to hold; the miss stays visible.
     further = [attempt(kind, rate, seed, node) for seed in (1, 2)]
     assert all(each.held for each in further), (outcome, further)
     late = [each for each in further if not each.passed]
@@ -35,6 +35,7 @@ def test_fault_holds_the_robot(kind: str, node: str, rate: float) -> None:
         # The document's warning CB325 says so. It is a miss, and no pass.
         pytest.xfail(f"held after {1e3 * late[0].time:.0f} ms; longest time: {1e3 * STILL:.0f} ms")
     assert not late, (outcome, further)
+    pytest.xfail(f"the first of three trials missed: {outcome}")
 
 
 def test_summary_counts_trials_by_node_and_rate() -> None:
