@@ -5,11 +5,7 @@
 
 from __future__ import annotations
 
-from cbdsl.documents.calibration import (
-    CalibratedCamera,
-    CalibrationDocument,
-    CalibrationOrigin,
-)
+from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument, CalibrationOrigin
 from cbdsl.documents.catalog import (
     AffordanceSection,
     CatalogDocument,

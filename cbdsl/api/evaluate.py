@@ -117,7 +117,7 @@ _JOB = 10
 
 Verdict = tuple["EpisodeResult", bool]
 
-# Set when the parent of a worker ends, which then ends after its episode.
+# Ends the workers after their present episode; set at the end of the evaluation.
 _ended: Event
 
 

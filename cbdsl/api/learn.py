@@ -56,10 +56,7 @@ def learn(request: LearnRequest) -> LearningOutcome:
 
 
 def learn_trials(
-    request: LearnRequest,
-    *,
-    workers: int = 1,
-    scheduler: str | None = None,
+    request: LearnRequest, *, workers: int = 1, scheduler: str | None = None
 ) -> list[LearningOutcome]:
     """Run all trials of a request; the outcome does not depend on the workers.
 

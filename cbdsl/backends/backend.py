@@ -223,10 +223,6 @@ BACKENDS: Registry[BackendFactory] = Registry(
 )
 
 
-# Modules of engines that several distributions provide.
-_SHARED_MODULES = {"bullet": "pybullet", "mujoco": "mujoco"}
-
-
 def name_of(backend: Backend) -> str:
     """Return the name of a backend in messages: its own, or that of its class."""
     return BACKENDS.name_of(type(backend)) or type(backend).__name__
@@ -240,7 +236,7 @@ def find_backend(name: str) -> BackendFactory:
             version, or the target is not a backend.
     """
     try:
-        require_unmixed(_SHARED_MODULES.get(name, ""))
+        require_unmixed("pybullet" if name == "bullet" else name)
         with quiet_stderr():  # engines say when they were built, in each process that has one
             return BACKENDS.get(name)
     except ImportError as error:

@@ -149,8 +149,12 @@ def _new_scene(name: str, mjcf: Path, robot: str, to: Path | None, force: bool) 
     template = DocumentTemplate(StageDocument, "stage", name, to, "scene")
     try:
         scene = SCENE_FORMATS.get("mjcf").converted(mjcf, name, {}, PackageFolders({}, [], mjcf))
-    except (UrdfError, ModuleNotFoundError) as error:
+    except UrdfError as error:
         raise UsageError(str(error)) from error
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"{mjcf}: {error.name} is not installed: pip install 'cbdsl[formats]'"
+        ) from None
     files = {template.folder / file: contents for file, contents in scene.meshes.items()}
     description = scalar(f"The scene {mjcf.name}.")
     values = {"robot": robot, "description": description, "parts": scene.urdf}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
@@ -98,6 +98,11 @@ class OutputOptions:
     explain: Explain = False
     as_json: Json = False
 
+    @property
+    def of_one(self) -> dict[str, object]:
+        """Values of the options that show the episodes of one process."""
+        return {"--explain": self.explain, "--page": self.page, "--record": self.record}
+
     def fixed(self, stage: StageDocument) -> str:
         """Return the reason why a run cannot go back to an earlier state; empty if it can."""
         if self.record is not None or self.page is not None:
@@ -146,7 +151,8 @@ def run(
     live.require_page()
     request = options.request(program)
     if options.workers > 1:
-        _run_parallel(request, options, output, live=live.live)
+        given = {**output.of_one, "--live": live.live, "--yes": yes, "--interface": interface}
+        _run_parallel(request, options, given, as_json=output.as_json)
         return
     if output.page is not None:
         require_page(output.page, options.episodes)
@@ -218,21 +224,15 @@ def _run_all(
 
 
 def _run_parallel(
-    request: RunRequest, options: RunOptions, output: OutputOptions, *, live: bool
+    request: RunRequest, options: RunOptions, shown: Mapping[str, object], *, as_json: bool
 ) -> None:
     """Run episodes in processes, and print their endings and a summary."""
-    of_one = {
-        "--explain": output.explain, "--gui": options.gui, "--live": live,
-        "--page": output.page, "--record": output.record, "--watch": options.watch,
-    }  # fmt: skip
-    if shown := next((option for option, given in of_one.items() if given), None):
-        raise UsageError(f"{shown} shows episodes of one process: leave out --workers")
-    tally = run_parallel(
-        request, range(options.seed, options.seed + options.episodes),
-        Telling(None, explain=False, as_json=output.as_json).print, workers=options.workers,
-        backend=options.backend, cameras=options.cameras, context=options.context,
-    )  # fmt: skip
-    if not output.as_json:
+    of_one = {**shown, "--gui": options.gui, "--watch": options.watch}
+    if option := next((option for option, given in of_one.items() if given), None):
+        raise UsageError(f"{option} is for episodes of one process: leave out --workers")
+    tell = Telling(None, explain=False, as_json=as_json).print
+    tally = run_parallel(request, options, tell)
+    if not as_json:
         print(tally.summary(states_success=bool(request.program.success)))
     _conclude(request, tally)
 

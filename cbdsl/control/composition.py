@@ -28,13 +28,7 @@ from cbdsl.control.joint_bounds import displacement_bounds, keep_within, lock, s
 from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.row_bounds import go_to_bound, hold_row, leave_idle
-from cbdsl.control.second_order import (
-    Way,
-    add_curvature,
-    balance,
-    least_resisted,
-    newton_step,
-)
+from cbdsl.control.second_order import Way, add_curvature, balance, least_resisted, newton_step
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.handle import Handle
@@ -211,13 +205,7 @@ def _undone(
 
 @compiled
 def _curve(
-    left: Floats,
-    way: Way,
-    basis: Basis,
-    taken: int,
-    middle: Floats,
-    start: int,
-    hessians: Floats,
+    left: Floats, way: Way, basis: Basis, taken: int, middle: Floats, start: int, hessians: Floats
 ) -> Floats:
     """Return the curvature (n, n) of the error that a level's step leaves undone, shape (k,)."""
     scale(left, 1.0 / way.fraction)

@@ -98,12 +98,7 @@ def _select(bends: Floats, slope: Floats, columns: Integers, hessian: Floats) ->
 
 @compiled
 def _spin(
-    slot: Any,
-    feedback: Any,
-    table: TableArrays,
-    slope: Floats,
-    columns: Integers,
-    hessian: Floats,
+    slot: Any, feedback: Any, table: TableArrays, slope: Floats, columns: Integers, hessian: Floats
 ) -> None:
     """Add the coupling of a turn about the tip's free axis with turns across it."""
     first = feedback.rows - 3

@@ -37,7 +37,6 @@ def leave_idle(
     for row in range(start, levels.ends[level] if levels.ages[level] > 0 else start):
         side, request = levels.sides[row], levels.requested[row]
         levels.idle[row] = side != 0.0 and side * (dot(middle[row], total) - request) <= _ROUNDING
-        wanted[row] = request
         if levels.idle[row]:
             fill(middle[row], 0.0)
             wanted[row] = 0.0

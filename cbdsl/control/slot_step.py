@@ -46,12 +46,7 @@ class TaskArrays(NamedTuple):
 
 @compiled
 def write_level(
-    slot: Any,
-    table: TableArrays,
-    parameters: Floats,
-    task: TaskArrays,
-    total: Floats,
-    again: bool,
+    slot: Any, table: TableArrays, parameters: Floats, task: TaskArrays, total: Floats, again: bool
 ) -> bool:
     """Evaluate a slot's potential and write its level; return whether all numbers are finite.
 

@@ -27,12 +27,7 @@ from cbdsl.sensing.table.table import Form, RowPart
 from cbdsl.sensing.table.tips import Tips
 from cbdsl.sensing.vision.shapes.surface import SurfaceSampler
 from cbdsl.types.casts import Chain
-from cbdsl.types.resource import (
-    NetForces,
-    Origin,
-    Resource,
-    Source,
-)
+from cbdsl.types.resource import NetForces, Origin, Resource, Source
 from cbdsl.types.resource_type import POSITION
 from cbdsl.types.source_record import (
     Normals,

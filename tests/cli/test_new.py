@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import NoReturn
 
 import pytest
 
@@ -325,3 +327,15 @@ def test_new_robot_with_mimics_writes_couplings_that_validate(
     else:
         assert f"  j3: {coupling}\n" in written
     assert cb(monkeypatch, "validate", "--strict", ".") == 0
+
+
+def test_new_stage_of_a_scene_without_its_package_names_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def converted(*_: object) -> NoReturn:
+        raise ModuleNotFoundError(name="mujoco")
+
+    scenes = SimpleNamespace(get=lambda _: SimpleNamespace(converted=converted))
+    monkeypatch.setattr("cbdsl.scaffold.model_format.SCENE_FORMATS", scenes)
+    assert cb(monkeypatch, "new", "stage", "room", "--mjcf", "room.xml") == 2
+    assert "mujoco is not installed: pip install 'cbdsl[formats]'" in capsys.readouterr().err

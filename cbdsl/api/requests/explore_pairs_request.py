@@ -46,10 +46,7 @@ class ExplorePairsRequest:
         kw_only=False,
     )
     out: str | Path = given("File for the meta-catalog, ``NAME.yaml``.", kw_only=False)
-    relation: str = given(
-        "Relation that the program produces, ``on`` or ``in``.",
-        default="on",
-    )
+    relation: str = given("Relation that the program produces, ``on`` or ``in``.", default="on")
     actions: int = given("Number of actions.", default=100, always=True)
     until_habituated: bool = given("True to end when all models have habituated.", default=False)
     seed: int = given(SEED, default=0, always=True)
@@ -57,8 +54,7 @@ class ExplorePairsRequest:
     cameras: str | None = given(CAMERAS, default=None)
     constants: Mapping[str, str | float] = given(CONSTANTS, default_factory=dict)
     relations: str | Path | None = given(
-        "Relations that name the contacts that the program tests: file or name.",
-        default=None,
+        "Relations that name the contacts that the program tests: file or name.", default=None
     )
     resume: bool = given(
         "True to continue an exploration that was begun there.", default=False, recorded=False

@@ -47,10 +47,7 @@ class ExploreRequest:
         metavar="PROGRAM",
     )
     stage: str | Path = given(
-        "Stage with a persistent world: file or name.",
-        kw_only=False,
-        kind=str,
-        group=_GROUP,
+        "Stage with a persistent world: file or name.", kw_only=False, kind=str, group=_GROUP
     )
     out: str | Path = given("File for the catalog, ``NAME.yaml``.", kw_only=False, kind=Path)
     feature: str = given(
@@ -60,12 +57,7 @@ class ExploreRequest:
         group=_GROUP,
     )
     actions: int = given(
-        "Number of actions.",
-        default=100,
-        always=True,
-        kind=int,
-        group=_GROUP,
-        min=1,
+        "Number of actions.", default=100, always=True, kind=int, group=_GROUP, min=1
     )
     until_habituated: bool = given(
         "True to end when all models have habituated.",

@@ -50,12 +50,7 @@ class LearnRequest:
         kind=Path,
     )
     episodes: int = given(
-        "Total number of episodes.",
-        default=10,
-        always=True,
-        kind=int,
-        group=_TRIAL,
-        min=1,
+        "Total number of episodes.", default=10, always=True, kind=int, group=_TRIAL, min=1
     )
     seed: int = given(SEED, default=0, always=True, group=_TRIAL)
     backend: str | None = given(BACKEND, default=None, always=True, group=_TRIAL)

@@ -30,7 +30,7 @@ def require_workers(workers: int) -> None:
     if workers > most:
         raise UsageError(
             f"--workers {workers}: at most {most} here, of a machine with "
-            f"{count(processors, 'processor')}; more machines are used by --scheduler"
+            f"{count(processors, 'processor')}"
         )
 
 

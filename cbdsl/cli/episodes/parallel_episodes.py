@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from cbdsl.api.evaluate import evaluate
+from cbdsl.cli.arguments.workers import require_workers
 from cbdsl.cli.episodes.episode_tally import EpisodeTally
 from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.process.termination import termination_interrupts
@@ -14,34 +15,26 @@ from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.cli.arguments.run_options import RunOptions
     from cbdsl.runtime.episode_result import EpisodeResult
 
 
 def run_parallel(
-    request: RunRequest,
-    seeds: range,
-    tell: Callable[[EpisodeResult], None],
-    *,
-    workers: int,
-    backend: str,
-    cameras: str | None,
-    context: str | None,
+    request: RunRequest, options: RunOptions, tell: Callable[[EpisodeResult], None]
 ) -> EpisodeTally:
     """Run episodes in processes, and return their tally with the wall time.
 
     Args:
         request: Program with its robot and its stage.
-        seeds: Seeds of the episodes.
+        options: Options of the run.
         tell: Function called with each result, in the order of the seeds.
-        workers: Number of processes.
-        backend: Name of the backend.
-        cameras: Kind of cameras; that of the backend if ``None``.
-        context: Context of the stage; drawn by share if ``None``.
 
     Raises:
-        UsageError: The backend is a real robot, or the episodes depend on each other.
+        UsageError: The backend is a real robot, the episodes depend on each other, or there are too
+            many processes.
     """
-    _require_independent(request, backend)
+    require_workers(options.workers)
+    _require_independent(request, options.backend)
     tally, began = EpisodeTally(), time.monotonic()
 
     def take(result: EpisodeResult, _: bool) -> None:
@@ -51,14 +44,15 @@ def run_parallel(
     with termination_interrupts():
         evaluate(
             request,
-            seed=seeds.start,
-            episodes=len(seeds),
-            context=context,
-            backend=backend,
-            cameras=cameras,
-            workers=workers,
+            seed=options.seed,
+            episodes=options.episodes,
+            context=options.context,
+            backend=options.backend,
+            cameras=options.cameras,
+            workers=options.workers,
             on_episode=take,
         )
+    # The processes overlap.
     tally.wall_seconds = time.monotonic() - began
     return tally
 

@@ -16,6 +16,7 @@ from typing import Annotated, Any
 
 import typer
 
+from cbdsl.cli.arguments.options import Open
 from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.termination import stop_requests
 from cbdsl.documents.document import NAME_PATTERN
@@ -29,7 +30,6 @@ Program = Annotated[str, typer.Argument(help="Program to begin with: file or nam
 Port = Annotated[
     int, typer.Option("--live-port", min=0, max=65535, help="Port of the page [a free one].")
 ]
-Open = Annotated[bool, typer.Option("--open/--no-open", help="Show the page in the browser.")]
 
 _CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
 # Longest time of a check and of a run, s.

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.reporting.live.page_message import message
 from cbdsl.runtime.episode_observer import EpisodeObserver
@@ -104,8 +105,7 @@ class ProgramWatch(EpisodeObserver):
             request = self._read()
         except DiagnosticsError as error:
             lines = str(error).splitlines()
-            errors = f"{len(lines)} error{'s' if len(lines) > 1 else ''}"
-            self._renew(f"the edit has {errors}; the program stays", lines)
+            self._renew(f"the edit has {count(len(lines), 'error')}; the program stays", lines)
             return
         except UsageError as error:
             self._renew(f"the edit cannot run: {error}; the program stays")

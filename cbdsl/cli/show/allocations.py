@@ -8,10 +8,9 @@ from cbdsl.checking.allocations import allocations
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import Robot, ShownProgram
+from cbdsl.cli.arguments.options import Robot, ShownProgram, With
 from cbdsl.cli.output.terminal import print_json, print_table
 from cbdsl.cli.show.formats import PLAIN, Format, Json, PlainFormat, read_format
-from cbdsl.cli.show.program import With
 from cbdsl.documents.program import ProgramDocument
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import typer
 
 from cbdsl.checking.program import check_program
 from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import Robot, ShownProgram
+from cbdsl.cli.arguments.options import Robot, ShownProgram, With
 from cbdsl.cli.output.terminal import print_json
 from cbdsl.cli.show.formats import Format, Json, drawing, read_format
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
@@ -25,10 +25,6 @@ if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
     from cbdsl.program.controller import Controller
 
-With = Annotated[
-    list[str],
-    typer.Option("--with", help="Parameter of the program, such as arm=left_arm; may be repeated."),
-]
 FormatOption = Annotated[
     str,
     typer.Option(

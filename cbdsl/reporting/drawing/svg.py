@@ -345,18 +345,10 @@ def _label(
     """Return a label near the first third of an arc that overlaps no other label and no node."""
     places = sorted(range(len(points)), key=lambda place: abs(place - len(points) // 3))
     labels = [_Label(*points[place], *size) for place in places]
-    nodes = [(*layout.centers[key], *own) for key, own in sizes.items()]
-
-    def hidden(label: _Label) -> bool:
-        return any(
-            abs(label.x - x) < (w + label.width) / 2
-            and abs(label.y - y) < (h + label.height) / 2 + 2
-            for x, y, w, h in nodes
-        )
-
+    nodes = [_Label(*layout.centers[key], own.width, own.height + 4) for key, own in sizes.items()]
     # An arc without any free place keeps the preferred one: an overlap is better than a missing
     # label.
-    free = (each for each in labels if not hidden(each) and not any(map(each.meets, taken)))
+    free = (each for each in labels if not any(map(each.meets, (*taken, *nodes))))
     return next(free, labels[0])
 
 

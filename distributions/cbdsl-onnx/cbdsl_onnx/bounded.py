@@ -7,6 +7,7 @@ hours in one operator. Exceeding the bounds ends the process, not the command.
 from __future__ import annotations
 
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -16,6 +17,8 @@ from cbdsl_onnx.model_file import ModelFacts, ModelFileError, TensorFacts, exami
 
 _MOST_SECONDS = 20
 _MOST_BYTES = 4_000_000_000
+# One thread per library saves address space, which is bounded, too.
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 _BEGIN = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from cbdsl_onnx.bounded import main; main()"
@@ -36,7 +39,13 @@ def examine_bounded(data: bytes) -> ModelFacts:
     command = [sys.executable, "-P", "-c", _BEGIN, paths]
     try:
         # The process bounds its processor time; this longer bound allows for a busy machine.
-        done = subprocess.run(command, input=data, capture_output=True, timeout=3 * _MOST_SECONDS)
+        done = subprocess.run(
+            command,
+            input=data,
+            capture_output=True,
+            timeout=3 * _MOST_SECONDS,
+            env={**os.environ, **_ONE_THREAD},
+        )
         answer = json.loads(done.stdout)
     except (subprocess.TimeoutExpired, ValueError):
         problem = f"it needs more than {_MOST_SECONDS} s or {_MOST_BYTES // 10**9} GB, or fails"
@@ -55,9 +64,12 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES))
     resource.setrlimit(resource.RLIMIT_CPU, (_MOST_SECONDS, _MOST_SECONDS))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    answers = os.dup(1)
+    os.dup2(2, 1)  # warnings of native code must not mix with the answer
     answer: dict[str, object]
     try:
         answer = examine(sys.stdin.buffer.read())._asdict()
     except ModelFileError as error:
         answer = {"fault": error.fault, "reason": str(error)}
-    sys.stdout.write(json.dumps(answer))
+    with os.fdopen(answers, "w", encoding="utf-8") as out:
+        out.write(json.dumps(answer))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import product
+from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 EXITS, ALLOCATION = "exits", "allocation"
 
 Keys = tuple[str | int, ...]
+
+# Largest number of combinations of effectors that are tried.
+_MOST_CHOICES = 30
 
 
 class Patch(NamedTuple):
@@ -148,7 +151,8 @@ def changed_allocations(
         if node.value in robot.effectors and key not in given
     ]
     others = [_alike(str(node.value), robot) for _, node in ours]
-    for choice in product(*others) if ours else ():
+    # Their number grows exponentially with the effectors, and few are tried.
+    for choice in islice(product(*others), _MOST_CHOICES) if ours else ():
         if len(set(choice)) == len({node.value for _, node in ours}):
             names = ", ".join(key for key, _ in ours)
             changes = [(node, after) for (_, node), after in zip(ours, choice, strict=True)]

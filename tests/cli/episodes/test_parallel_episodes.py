@@ -29,13 +29,29 @@ def rows(text: str) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize(
-    "words", [["--explain"], ["--page", "x.html"], ["--record", "x"], ["--watch"], ["--live"]]
+    "words",
+    [
+        ["--explain"],
+        ["--page", "x.html"],
+        ["--record", "x"],
+        ["--watch"],
+        ["--live"],
+        ["--yes"],
+        ["--interface", "lo"],
+    ],
 )
 def test_workers_refuse_outputs_of_one_process(
     words: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, *RUN, "--workers", "2", *words) == 2
-    assert f"{words[0]} shows episodes of one process" in capsys.readouterr().err
+    assert f"{words[0]} is for episodes of one process" in capsys.readouterr().err
+
+
+def test_workers_beyond_the_processors_are_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, *RUN, "--workers", "5000", "--episodes", "5000") == 2
+    assert "--workers 5000: at most " in capsys.readouterr().err
 
 
 def test_workers_refuse_a_real_robot(

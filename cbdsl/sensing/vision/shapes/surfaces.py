@@ -21,12 +21,7 @@ class Surfaces:
         resources: Resources of the program.
     """
 
-    def __init__(
-        self,
-        robot: RobotDocument,
-        vision: Vision,
-        resources: Iterable[Resource],
-    ) -> None:
+    def __init__(self, robot: RobotDocument, vision: Vision, resources: Iterable[Resource]) -> None:
         self._robot, self._vision = robot, vision
         self.by_channel: dict[str, LevelSurface] = {}
         self.follow(resources)

@@ -47,12 +47,7 @@ class VisualSignals:
     """
 
     def __init__(
-        self,
-        robot: RobotDocument,
-        kinematics: Kinematics,
-        vision: Vision,
-        tips: Tips,
-        touch: Touch,
+        self, robot: RobotDocument, kinematics: Kinematics, vision: Vision, tips: Tips, touch: Touch
     ) -> None:
         self._robot = robot
         self._kinematics = kinematics
