@@ -34,7 +34,17 @@ if TYPE_CHECKING:
     from cbdsl.cli.arguments.assignments import read_assignments
     from cbdsl.cli.arguments.command_text import command_text
     from cbdsl.cli.arguments.option_groups import grouped
-    from cbdsl.cli.arguments.options import Above, Cameras, Json, Open, Policy, Program, Rate, With
+    from cbdsl.cli.arguments.options import (
+        Above,
+        BackendName,
+        Cameras,
+        Json,
+        Open,
+        Policy,
+        Program,
+        Rate,
+        With,
+    )
     from cbdsl.cli.arguments.run_options import RunOptions
     from cbdsl.cli.arguments.workers import require_workers
     from cbdsl.cli.command_group import CommandGroup
@@ -42,7 +52,7 @@ if TYPE_CHECKING:
     from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
     from cbdsl.cli.episodes.pages import open_page, require_room, write_page
     from cbdsl.cli.episodes.recorder import Recorder
-    from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
+    from cbdsl.cli.episodes.simulation import needing_simulation, simulation
     from cbdsl.cli.output.compilation import told_of_compilation
     from cbdsl.cli.output.progress import Progress
     from cbdsl.cli.output.terminal import print_json, print_line, print_problem, print_table

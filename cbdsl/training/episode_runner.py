@@ -25,11 +25,7 @@ class EpisodeRunner(Protocol):
     """Runner of one episode after another."""
 
     def run(
-        self,
-        program: CheckedProgram,
-        policy: Policy,
-        seed: int,
-        see: Callable[[Transition], None],
+        self, program: CheckedProgram, policy: Policy, seed: int, see: Callable[[Transition], None]
     ) -> Experience:
         """Run an episode.
 
@@ -68,11 +64,7 @@ class BackendEpisodeRunner:
         self._last: tuple[CheckedProgram, Policy, Runner] | None = None
 
     def run(
-        self,
-        program: CheckedProgram,
-        policy: Policy,
-        seed: int,
-        see: Callable[[Transition], None],
+        self, program: CheckedProgram, policy: Policy, seed: int, see: Callable[[Transition], None]
     ) -> Experience:
         """Run an episode; see ``EpisodeRunner.run``.
 

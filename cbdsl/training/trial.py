@@ -7,13 +7,7 @@ import numpy as np
 from cbdsl.documents.document import Section
 from cbdsl.documents.relations import RelationsDocument
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.learner import (
-    ACCOMMODATE,
-    LEARNERS,
-    ContinuingLearner,
-    SchemaLearner,
-    replay,
-)
+from cbdsl.learning.learner import ACCOMMODATE, LEARNERS, ContinuingLearner, SchemaLearner, replay
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.episode_runner import EpisodeRunner

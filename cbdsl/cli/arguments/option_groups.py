@@ -15,8 +15,16 @@ from typer.core import TyperCommand
 
 from cbdsl.api.requests.declaration import default_of
 from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import BodyNumber, Cameras, Program, Resume, Seed, Set, With
-from cbdsl.cli.episodes.simulation import BackendName
+from cbdsl.cli.arguments.options import (
+    BackendName,
+    BodyNumber,
+    Cameras,
+    Program,
+    Resume,
+    Seed,
+    Set,
+    With,
+)
 
 
 class GroupedCommand(TyperCommand):

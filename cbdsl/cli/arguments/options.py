@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.backends.engines import default_engine
 from cbdsl.cli.arguments.completion import names_of
 
 Above = Annotated[
@@ -16,6 +17,16 @@ Above = Annotated[
         min=0,
         max=1,
         help="Omit transitions with a relative frequency up to this one, 0 to 1.",
+    ),
+]
+BackendName = Annotated[
+    str,
+    typer.Option(
+        "--backend",
+        default_factory=default_engine,
+        show_default=False,
+        help="Backend: bullet or mujoco (physics), kinematic (no physics), ros2 (a real robot); cb"
+        " show backends lists all [the first installed].",
     ),
 ]
 BodyNumber = Annotated[

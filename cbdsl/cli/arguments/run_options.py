@@ -12,8 +12,7 @@ import typer
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.completion import names_of
-from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Rate, Robot, With
-from cbdsl.cli.episodes.simulation import BackendName
+from cbdsl.cli.arguments.options import BackendName, BodyNumber, Cameras, Policy, Rate, Robot, With
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.nearest import suggestion
 

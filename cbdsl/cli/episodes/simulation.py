@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from cbdsl.backends.engines import default_engine, extra_advice
+from cbdsl.backends.engines import extra_advice
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.robot.urdf import UrdfError
 
@@ -16,17 +14,6 @@ if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
     from cbdsl.kinematics.kinematics import Kinematics
-
-BackendName = Annotated[
-    str,
-    typer.Option(
-        "--backend",
-        default_factory=default_engine,
-        show_default=False,
-        help="Backend: bullet or mujoco (physics), kinematic (no physics), ros2 (a real robot); cb"
-        " show backends lists all [the first installed].",
-    ),
-]
 
 
 @contextmanager

@@ -11,8 +11,8 @@ from cbdsl.api.reading.clean import require_clean
 from cbdsl.api.requests.explore_request import require_persistent
 from cbdsl.api.requests.explored_actions import recorded_actions
 from cbdsl.api.requests.run_request import read_request
-from cbdsl.cli.arguments.options import Cameras, Seed
-from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.arguments.options import BackendName, Cameras, Seed
+from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.output.terminal import print_json
 from cbdsl.cli.show.formats import PICTURED, Format, Json, read_format
 from cbdsl.diagnostics.errors import UsageError
