@@ -70,7 +70,7 @@ def test_a_small_disk_is_reported_and_with_a_larger_one_the_run_goes_on(tmp_path
     assert code == 0
     assert (tmp_path / "code").read_text("utf-8") == "2\n"
     said = (tmp_path / "said").read_text("utf-8")
-    assert "No space left on device" in said and "--resume goes on" in said
+    assert "No space left on device" in said and "--resume continues" in said
     assert (tmp_path / "left").read_text("utf-8") == "policy.episodes.jsonl\n"
     again = [*CB, *LEARN.split()]
     subprocess.run(again, cwd=tmp_path / "unbroken", env=environment, check=True)
