@@ -14,7 +14,7 @@ from cbdsl.learning.learner import TrialSummary
 def learned_by(summary: TrialSummary) -> str:
     """Return the description of a learned document."""
     learner = summary.provenance.algorithm.upper()
-    return f"Learned by {learner}; provenance says from what, and how to learn it again."
+    return f"Learned by {learner}; the provenance names its inputs and its command."
 
 
 def model_documents(
