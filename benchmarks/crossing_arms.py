@@ -131,7 +131,7 @@ def main() -> None:
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for seed in range(options.seed, options.seed + options.programs):
-            request = load(write(seed, Path(folder))).with_clearance(options.clearance)
+            request = load(write(seed, Path(folder)), clearance=options.clearance)
             with open_robot(request, backend=options.backend) as robot:
                 rows.append(run(robot, seed))
             sys.stdout.write(json.dumps(rows[-1]) + "\n")

@@ -18,6 +18,7 @@ def load(
     schema: str | Path | None = None,
     calibration: str | Path | None = None,
     body: int | None = None,
+    clearance: str | None = None,
     values: Mapping[str, str] | None = None,
     folder: Path | None = None,
 ) -> RunRequest:
@@ -30,6 +31,7 @@ def load(
         schema: File or name of the schema that chooses its resources, with a policy of its own.
         calibration: File or name of the cameras' calibration; the robot's own if ``None``.
         body: Number of the simulated body, which keeps its cameras' errors.
+        clearance: Least distance between links, such as ``2 cm``; the program's if ``None``.
         values: Values of the program's parameters, by name, as written in documents.
         folder: Folder to search for documents by name before the shipped ones; the working folder
             if ``None``.
@@ -51,6 +53,7 @@ def load(
         schema=_word(schema),
         calibration=_word(calibration),
         body=body,
+        clearance=clearance,
         folder=folder,
     )
 

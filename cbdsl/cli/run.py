@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.checking.rules.stage_colors import absent_channels
 from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Program
 from cbdsl.cli.arguments.run_options import RunOptions
@@ -21,7 +22,6 @@ from cbdsl.cli.episodes.live import LiveOptions, go_on, live_page
 from cbdsl.cli.episodes.parallel_episodes import run_parallel
 from cbdsl.cli.episodes.recorder import Recorder
 from cbdsl.cli.episodes.simulation import simulation
-from cbdsl.cli.output.notes import notes
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
@@ -164,7 +164,7 @@ def run(
         within.enter_context(shown_on_failure())
         within.enter_context(termination_interrupts())
         embodied, kinematics = within.enter_context(opened)
-        attend(embodied, request, yes=yes, interface=interface)
+        attend(embodied, kinematics, request, yes=yes, interface=interface)
         if options.watch and embodied.deadline is not None:
             raise UsageError("--watch is for simulators: reading an edit would delay a robot")
         runner = _runner(request, kinematics, embodied)
@@ -185,7 +185,7 @@ def run(
         telling = Telling(recorder, output.explain, output.as_json, view, watch)
         if prints:
             print(_introduction(request, options.backend, embodied))
-            print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
+            print(*(f"note: {note}\n" for note in _notes(request)), sep="", end="")
         tally = _run_all(runner, request, seeds, options.context, telling)
         more = partial(_episode, runner, request, seeds[-1], options.context, telling)
         go_on(None if live.live_close else view, watch, lambda: tally.add(more()), prints=prints)
@@ -257,6 +257,17 @@ def _introduction(request: RunRequest, name: str, backend: Backend) -> str:
     """
     images = f"; images by {backend.renderer}" if request.robot.cameras else ""
     return f"{request.program.name} on {request.stage.name}; engine {name}{images}"
+
+
+def _notes(request: RunRequest) -> list[str]:
+    """Return sentences on colours that a program acts on and no object of its stage has.
+
+    Assumptions about the robot are notes of ``cb validate`` on its document.
+    """
+    if not request.robot.cameras:
+        return []
+    channels = absent_channels(request.program, request.stage, request.robot.vision.channels)
+    return [f"nothing on stage '{request.stage.name}' is of {channel}" for channel in channels]
 
 
 def _runner(request: RunRequest, kinematics: Kinematics, backend: Backend) -> Runner:

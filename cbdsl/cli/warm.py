@@ -42,7 +42,7 @@ def warm() -> None:
     with shown_on_failure(), termination_interrupts():
         _compile_potentials()
         for program in _PROGRAMS:
-            request = read_request(program, None, None, {}).with_clearance(_CLEARANCE)
+            request = read_request(program, None, None, {}, clearance=_CLEARANCE)
             _run(request, "kinematic", _TICKS)
         for engine in installed_engines():
             _run(read_request(_ON_ENGINES, None, None, {}), engine, _TICKS_ON_ENGINES)

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.table.tips import Tips
-from cbdsl.sensing.touch.strain import Strain
-from cbdsl.sensing.touch.touch import Touch
+from cbdsl.sensing.touch.touch import Strain, Touch
 from cbdsl.sensing.vision.shapes.solid_signals import SolidSignals
-from cbdsl.sensing.vision.shapes.surfaces import Surfaces
+from cbdsl.sensing.vision.shapes.surface import Surfaces
 from cbdsl.sensing.vision.signals.blob_signals import BlobSignals
-from cbdsl.sensing.vision.signals.distances import Distances
 from cbdsl.sensing.vision.signals.marks import Marks
 from cbdsl.sensing.vision.signals.novelty import Novelty
-from cbdsl.sensing.vision.signals.visual_signals import VisualSignals
+from cbdsl.sensing.vision.signals.visual_signals import Distances, VisualSignals
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource
 from cbdsl.types.source_record import channels_of
@@ -30,33 +26,26 @@ class SensorReaders:
         robot: Robot document with the sensors.
         kinematics: Kinematics of the same robot.
         tips: Tips of the effectors.
-        resources: Resources with the channels that the cameras look for.
     """
 
-    def __init__(
-        self,
-        robot: RobotDocument,
-        kinematics: Kinematics,
-        tips: Tips,
-        resources: tuple[Resource, ...],
-    ) -> None:
+    def __init__(self, robot: RobotDocument, kinematics: Kinematics, tips: Tips) -> None:
         self._robot = robot
         self.touch = Touch(robot, kinematics, tips)
         self.strain = Strain(robot.joint_torques, kinematics)
-        self.vision = Vision(robot, kinematics, _channels(resources))
+        self.vision = Vision(robot, kinematics)
         self.sight = VisualSignals(robot, kinematics, self.vision, tips, self.touch)
         self.distances = Distances(robot, kinematics, self.sight)
-        self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
-        self.surfaces = Surfaces(robot, self.vision, resources)
-        self.solids = SolidSignals(robot, kinematics, self.vision, self.touch, resources)
-        self.novelty = Novelty(robot, kinematics, self.vision, resources)
-        self.marks = Marks(robot, kinematics, self.vision, resources)
+        self.blobs = BlobSignals(robot, self.vision, self.sight)
+        self.surfaces = Surfaces(robot, self.vision)
+        self.solids = SolidSignals(robot, kinematics, self.vision, self.touch)
+        self.novelty = Novelty(robot, kinematics, self.vision)
+        self.marks = Marks(robot, kinematics, self.vision)
         # These readers follow the objects that vision has matched.
         self._followers = (self.blobs, self.surfaces, self.solids, self.novelty, self.marks)
 
     def follow(self, resources: tuple[Resource, ...]) -> None:
         """Follow more resources from now on; the memories of the others stay."""
-        self.vision.look_for(_channels(resources))
+        self.vision.look_for(channel for each in resources for channel in channels_of(each.source))
         for reader in self._followers:
             reader.follow(resources)
 
@@ -102,8 +91,3 @@ class SensorReaders:
             self.vision.touched()
         else:
             self.vision.untouched()
-
-
-def _channels(resources: Iterable[Resource]) -> Iterator[str]:
-    """Yield the channels of resources."""
-    return (channel for each in resources for channel in channels_of(each.source))

@@ -76,7 +76,7 @@ class Signals:
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
         self.kinematic_rows = KinematicRows(robot, kinematics, self.tips, self._rows)
-        self.sensors = SensorReaders(robot, kinematics, self.tips, tuple(_with_features(resources)))
+        self.sensors = SensorReaders(robot, kinematics, self.tips)
         self.touch, self.strain = self.sensors.touch, self.sensors.strain
         self.vision, self.sight = self.sensors.vision, self.sensors.sight
         predicted = PredictedSignals(self.read, self.clock, self.vision)
@@ -88,6 +88,7 @@ class Signals:
             lambda signal, size: sensor_reader(signal, size, len(self.joints), self),
             lambda signal, size: model_reader(signal, size, len(self.joints), self),
         )
+        self.follow(resources)
         self.reset()
 
     def follow(self, resources: Iterable[Resource]) -> None:

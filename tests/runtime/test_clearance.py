@@ -22,6 +22,7 @@ from cbdsl.reporting.recorded import read_recording
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.recording import Recording
 from cbdsl.runtime.tick import Tick
+from tests.conftest import ROOT
 
 LEAST = 0.02  # m
 CROSSED = """cbdsl: 1
@@ -43,11 +44,16 @@ limits: {{episode_time: 8 s}}
 
 
 def crossed(
-    folder: Path, clearance: str = "2 cm", x: float = 48, y: float = 15, z: float = 10
+    folder: Path,
+    clearance: str = "2 cm",
+    given: str | None = None,
+    x: float = 48,
+    y: float = 15,
+    z: float = 10,
 ) -> RunRequest:
     path = folder / "cross.yaml"
     path.write_text(CROSSED.format(x=x, y=y, z=z, clearance=clearance), "utf-8")
-    return load(path)
+    return load(path, clearance=given)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -114,13 +120,13 @@ def test_clearance_beyond_the_start_posture_is_one_finding(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("given", ["2 N", "two", "-1 cm", "0 m", "nan"])
 def test_clearance_that_is_no_length_is_refused(tmp_path: Path, given: str) -> None:
-    with pytest.raises(UsageError, match="--clearance"):
-        crossed(tmp_path).with_clearance(given)
+    with pytest.raises(UsageError, match="clearance: "):
+        crossed(tmp_path, given=given)
 
 
 def test_clearance_of_a_command_beyond_the_start_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="at the start"):
-        crossed(tmp_path).with_clearance("30 cm")
+        crossed(tmp_path, given="30 cm")
 
 
 def test_recording_names_the_pairs_that_were_held_for_longest(tmp_path: Path) -> None:
@@ -173,6 +179,18 @@ def test_fixture_to_avoid_holds_all_links_back(tmp_path: Path) -> None:
     )  # fmt: skip
     assert not [near for each in postures for near in links.nearer(each) if near.distance < 0.01999]
     assert "from table" in result.ending and "the clearance of 2 cm held" in result.ending
+
+
+def test_clearance_of_a_command_that_a_fixture_breaks_at_the_start_is_refused(
+    tmp_path: Path,
+) -> None:
+    avoiding(tmp_path, "stereo.sat_10", "table")
+    stage = (ROOT / "programs" / "stages" / "table_right.yaml").read_text("utf-8")
+    high = stage.replace("0 cm, -44 cm]", "0 cm, -28 cm]")
+    (tmp_path / "high.yaml").write_text(high, "utf-8")
+    load(tmp_path / "avoid.yaml", stage=tmp_path / "high.yaml", clearance="14 cm")
+    with pytest.raises(UsageError, match=r"clearance 16 cm: at the start .* from table"):
+        load(tmp_path / "avoid.yaml", stage=tmp_path / "high.yaml", clearance="16 cm")
 
 
 def test_seen_object_to_avoid_holds_all_links_back(tmp_path: Path) -> None:

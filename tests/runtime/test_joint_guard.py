@@ -20,7 +20,7 @@ from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.touch.strain import Strain
+from cbdsl.sensing.touch.touch import Strain
 from cbdsl.yaml_text.library import Library
 
 PROGRAM = """

@@ -53,33 +53,6 @@ class RunRequest:
 
         return replace(self, robot=with_control_rate(self.robot, rate))
 
-    def with_clearance(self, clearance: str | None) -> RunRequest:
-        """Return the request with a least distance between links, such as ``2 cm``.
-
-        Args:
-            clearance: Distance with its unit, in place of the program's; its own if ``None``.
-
-        Raises:
-            UsageError: It is not a length, or the robot's start posture does not keep it.
-        """
-        if clearance is None:
-            return self
-        from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.kinematics.link_clearance import too_near_at_start
-        from cbdsl.robot.urdf_reader import read_urdf
-        from cbdsl.types.unit import QuantityError, read_quantity
-
-        try:
-            least = read_quantity(clearance, ("length",))
-        except QuantityError as error:
-            raise UsageError(f"--clearance: {error}") from None
-        if least <= 0.0:
-            raise UsageError(f"--clearance: {clearance} is not above 0")
-        if near := too_near_at_start(self.robot, read_urdf(self.urdf), least):
-            raise UsageError(f"--clearance: {near}")
-        guards = self.program.guards._replace(clearance=least)
-        return replace(self, program=self.program._replace(guards=guards))
-
     @property
     def digest(self) -> ProgramDigest:
         """Digest of the program and of the policies that it uses."""
@@ -119,6 +92,7 @@ def read_request(
     schema: str | None = None,
     calibration: str | None = None,
     body: int | None = None,
+    clearance: str | None = None,
     uncalibrated: bool = False,
     folder: Path | None = None,
     given: Mapping[Path, bytes] | None = None,
@@ -133,6 +107,7 @@ def read_request(
         schema: File or name of the schema, with a policy of its own; no allocation if ``None``.
         calibration: File or name of the cameras' calibration; the robot's own if ``None``.
         body: Number of the simulated body; the stage's if ``None``.
+        clearance: Least distance between links, such as ``2 cm``; the program's if ``None``.
         uncalibrated: True if the robot uses the camera poses of its model.
         folder: Folder to search for documents by name; the working folder if ``None``.
         given: Contents that replace those of files.
@@ -168,43 +143,66 @@ def read_request(
     elif known := read_calibration(calibration, robot, robot_file, library):
         require_body(known, shown)
         robot = calibrated(robot, known)
+    urdf = robot_file.parent / robot.model
     return RunRequest(
-        program=_with_hulls(learned, shown, robot, robot_file.parent / robot.model),
+        program=_guarded(learned, shown, robot, urdf, clearance),
         program_file=path,
         robot=robot,
-        urdf=robot_file.parent / robot.model,
+        urdf=urdf,
         stage=shown,
         library=library,
         values=values,
     )
 
 
-def _with_hulls(
-    program: CheckedProgram, stage: StageDocument, robot: RobotDocument, urdf: Path
+def _guarded(
+    program: CheckedProgram,
+    stage: StageDocument,
+    robot: RobotDocument,
+    urdf: Path,
+    clearance: str | None,
 ) -> CheckedProgram:
-    """Return a program that knows the fixtures of its stage from which its links keep away.
+    """Return a program with a given clearance, and with the fixtures to keep away from.
 
     Raises:
-        UsageError: The stage has no such fixture, or a link starts too near one.
+        UsageError: The clearance is not a length above 0, the stage has no such fixture, or a link
+            starts too near another one or a fixture.
     """
-    if not (names := program.all_guards.fixtures):
+    names = program.all_guards.fixtures
+    if clearance is None and not names:
         return program
     from cbdsl.checking.stage.fixture_hulls import fixture_hull
     from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.kinematics.link_clearance import too_near_at_start, with_places
+    from cbdsl.robot.urdf_reader import read_urdf
 
+    if clearance is not None:
+        least = _least_distance(clearance)
+        program = program._replace(guards=program.guards._replace(clearance=least))
     hulls = {}
     for name in names:
         hull = fixture_hull(name, stage)
         if isinstance(hull, str):
             raise UsageError(f"{program.name}: {hull}")
         hulls[name] = hull
-    from cbdsl.kinematics.link_clearance import too_near_at_start, with_places
-    from cbdsl.robot.urdf_reader import read_urdf
-
     least = program.all_guards.clearance or 0.0
     if near := too_near_at_start(with_places(robot, hulls), read_urdf(urdf), least):
-        raise UsageError(f"{program.name} on {stage.name}: {near}")
+        given = "" if clearance is None else f" with clearance {clearance}"
+        raise UsageError(f"{program.name} on {stage.name}{given}: {near}")
     return program._replace(guards=program.guards._replace(hulls=hulls))
+
+
+def _least_distance(clearance: str) -> float:
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.types.unit import QuantityError, read_quantity
+
+    try:
+        least = read_quantity(clearance, ("length",))
+    except QuantityError as error:
+        raise UsageError(f"clearance: {error}") from None
+    if least <= 0.0:
+        raise UsageError(f"clearance: {clearance} is not above 0")
+    return least
 
 
 def _read_stage(

@@ -119,9 +119,9 @@ class RunOptions:
             schema=self.schema,
             calibration=self.calibration,
             body=self.body,
+            clearance=self.clearance,
             given=given,
         ).at_rate(self.rate)
-        request = request.with_clearance(self.clearance)
         _require_context(request.stage, self.context)
         return request
 

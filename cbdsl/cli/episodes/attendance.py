@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.episodes.simulation import embodied
 from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
+    from cbdsl.kinematics.kinematics import Kinematics
 
 Yes = Annotated[
     bool,
@@ -63,11 +65,19 @@ class TerminalPerson:
         return typer.confirm(question[0].upper() + question[1:], err=True)
 
 
-def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str | None) -> None:
+def attend(
+    backend: Backend,
+    kinematics: Kinematics,
+    request: RunRequest,
+    *,
+    yes: bool,
+    interface: str | None,
+) -> None:
     """Name the person at the terminal to a backend of a real robot, and rehearse the program.
 
     Args:
         backend: Backend, real or simulated.
+        kinematics: Kinematics of the robot.
         request: Program to rehearse.
         yes: True if the person agreed in advance.
         interface: Network interface; loopback only if ``None``.
@@ -77,11 +87,10 @@ def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str |
     """
     from cbdsl.backends.backend import AttendedBackend
     from cbdsl.robot.stopping_time import stopping_lines
-    from cbdsl.robot.urdf_reader import read_urdf
 
     if isinstance(backend, AttendedBackend):
         backend.attend(TerminalPerson(yes=yes), interface)
-        for line in stopping_lines(request.robot, read_urdf(request.urdf), slow=True):
+        for line in stopping_lines(request.robot, kinematics.model, slow=True):
             print(f"warning: {line}", file=sys.stderr)
         rehearse(request)
     elif yes or interface is not None:
@@ -101,17 +110,12 @@ def rehearse(request: RunRequest, seed: int = 0) -> None:
     """
     import scipy.optimize  # noqa: F401 (causes of rest need it, which a rehearsal may lack)
 
-    from cbdsl.backends.backend import embody
-    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.numeric.compiled import load_kept
     from cbdsl.runtime.episode import Runner
 
-    with contextlib.suppress(UsageError):
-        simulated = embody("kinematic", request.robot, request.urdf)
-        with contextlib.closing(simulated):
-            kinematics = Kinematics(request.robot, request.urdf)
-            runner = Runner(request.robot, kinematics, request.program, simulated)
-            for _ in islice(runner.ticks(request.stage, seed), _TICKS):
-                pass
+    with contextlib.suppress(UsageError), embodied(request, "kinematic") as (backend, kinematics):
+        runner = Runner(request.robot, kinematics, request.program, backend)
+        for _ in islice(runner.ticks(request.stage, seed), _TICKS):
+            pass
     # The rehearsal may have ended before the program's last states.
     load_kept()

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from threading import Event
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
     from cbdsl.cli.episodes.program_watch import ProgramWatch
-    from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
     from cbdsl.reporting.live.live_view import LiveView
 
 Live = Annotated[
@@ -119,6 +119,7 @@ def live_page(
         return
     from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.reporting.live.breakpoints import Breakpoints
+    from cbdsl.reporting.live.composed_program import composed_program
     from cbdsl.reporting.live.feed import Feed
     from cbdsl.reporting.live.live_page import live_page as page
     from cbdsl.reporting.live.live_view import LiveView
@@ -133,15 +134,11 @@ def live_page(
     feed, transport = Feed(), Transport(math.inf if is_paced else 1.0)
     composer, breakpoints = Composer() if composes else None, Breakpoints()
     view = LiveView(feed, transport, scenery, composer, breakpoints)
+    values = {key: str(value) for key, value in request.program.parameters.items()}
     refused = {"back": fixed} if fixed else {}
     if backend.deadline is not None:
         refused = dict.fromkeys(_WAITING, _DRIVEN)
-
-    def save(name: str, changes: Changes) -> ComposedProgram:
-        from cbdsl.reporting.live.composed_program import composed_program
-
-        values = {key: str(value) for key, value in request.program.parameters.items()}
-        return composed_program(request.program_file, request.stage.name, values, changes, name)
+    save = partial(composed_program, request.program_file, request.stage.name, values)
 
     def make(token: str) -> str:
         robot, urdf = request.robot, request.urdf

@@ -49,17 +49,31 @@ def simulation(
             backend cannot read the robot's model.
     """
     with needing_simulation():
-        from cbdsl.backends.backend import embody, find_backend
-        from cbdsl.backends.backend_calls import closing_backend
+        from cbdsl.backends.backend import find_backend
         from cbdsl.cli.output.compilation import told_of_compilation
-        from cbdsl.kinematics.kinematics import Kinematics
 
         find_backend(backend)
-    with told_of_compilation():
-        try:
-            with needing_simulation():
-                simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
-            with closing_backend(simulated):
-                yield simulated, Kinematics(request.robot, request.urdf)
-        except UrdfError as error:
-            raise UsageError(str(error)) from error
+    with told_of_compilation(), embodied(request, backend, gui=gui, cameras=cameras) as opened:
+        yield opened
+
+
+@contextmanager
+def embodied(
+    request: RunRequest, backend: str, *, gui: bool = False, cameras: str | None = None
+) -> Iterator[tuple[Backend, Kinematics]]:
+    """Yield the same as ``simulation``, without reports of compilation.
+
+    Raises:
+        UsageError: As for ``simulation``.
+    """
+    with needing_simulation():
+        from cbdsl.backends.backend import embody
+        from cbdsl.backends.backend_calls import closing_backend
+        from cbdsl.kinematics.kinematics import Kinematics
+    try:
+        with needing_simulation():
+            simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
+        with closing_backend(simulated):
+            yield simulated, Kinematics(request.robot, request.urdf)
+    except UrdfError as error:
+        raise UsageError(str(error)) from error

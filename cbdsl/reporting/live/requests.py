@@ -29,7 +29,7 @@ class Requests:
     Args:
         transport: Transport of the run.
         composer: Composer of its program; ``None`` if manual changes are not allowed.
-        save: Function that makes a document of the composed changes, by its name.
+        save: Function that makes a document of the composed changes and a name.
         breakpoints: Breakpoints of the run.
         refused: Reasons for the refusal of requests, by name.
     """
@@ -38,7 +38,7 @@ class Requests:
         self,
         transport: Transport,
         composer: Composer | None = None,
-        save: Callable[[str, Changes], ComposedProgram] | None = None,
+        save: Callable[[Changes, str], ComposedProgram] | None = None,
         breakpoints: Breakpoints | None = None,
         refused: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
@@ -145,7 +145,7 @@ class Requests:
         composer, name = self._composer, text(request, "name")
         changes = Changes(dict(composer.gains), dict(composer.targets), composer.stack)
         try:
-            made = self._save(name, changes)
+            made = self._save(changes, name)
         except ValueError as error:
             raise RequestError(str(error)) from error
         diagnostics = [f"{each.code} {each.message}" for each in made.diagnostics]

@@ -81,9 +81,7 @@ class Vision:
         seen: Regions in the newest images, by camera and channel, the largest first.
     """
 
-    def __init__(
-        self, robot: RobotDocument, kinematics: Kinematics, channels: Iterable[str]
-    ) -> None:
+    def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
         # The main cameras come first; their number is that of the rows of ``Instances``.
         self._cameras: Mapping[str, Camera] = {**robot.main_cameras, **robot.cameras}
         self._main = len(robot.main_cameras)
@@ -102,7 +100,7 @@ class Vision:
         # Sightings of all cameras in the newest images, by channel and number of the object.
         self._sightings: dict[str, list[dict[int, Sighting]]] = {}
         self._filters: dict[str, ChannelFilter] = {}
-        self.look_for(channels)
+        self.all_memories: tuple[PositionMemory, ...] = ()
         self.reset()
 
     def look_for(self, channels: Iterable[str]) -> None:

@@ -11,6 +11,7 @@ from cbdsl.api.load import load
 from cbdsl.cli.episodes.attendance import TerminalPerson, attend
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from tests.backends.conftest import URDF, sightless
 
 
@@ -51,8 +52,8 @@ def test_options_of_real_robots_are_refused_in_simulation(
     from cbdsl.backends.backend import embody
 
     simulated = embody("kinematic", sightless(dexter), URDF)
-    request = load("posture")
+    request, kinematics = load("posture"), Kinematics(dexter, URDF)
     with pytest.raises(UsageError, match="is for a real robot"):
-        attend(simulated, request, yes=yes, interface=interface)
-    attend(simulated, request, yes=False, interface=None)
+        attend(simulated, kinematics, request, yes=yes, interface=interface)
+    attend(simulated, kinematics, request, yes=False, interface=None)
     simulated.close()

@@ -53,7 +53,7 @@ class Run:
         breakpoints = Breakpoints()
         self.view = LiveView(self.feed, self.transport, Shown, self.composer, breakpoints)
 
-        def save(name: str, changes: Changes) -> ComposedProgram:
+        def save(changes: Changes, name: str) -> ComposedProgram:
             file = ROOT / "programs" / "reachtouch.yaml"
             return composed_program(file, "table_right", {}, changes, name)
 

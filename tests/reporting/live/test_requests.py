@@ -21,7 +21,7 @@ from tests.conftest import ROOT
 from tests.reporting.live.conftest import Watched
 
 
-def save(name: str, changes: Changes) -> ComposedProgram:
+def save(changes: Changes, name: str) -> ComposedProgram:
     return composed_program(ROOT / "programs" / "reachtouch.yaml", "table_right", {}, changes, name)
 
 

@@ -27,22 +27,15 @@ class SolidSignals:
         kinematics: Kinematics of the same robot.
         vision: Regions and memories of the cameras.
         touch: Contacts of the hands.
-        resources: Resources of the program.
     """
 
     def __init__(
-        self,
-        robot: RobotDocument,
-        kinematics: Kinematics,
-        vision: Vision,
-        touch: Touch,
-        resources: Iterable[Resource],
+        self, robot: RobotDocument, kinematics: Kinematics, vision: Vision, touch: Touch
     ) -> None:
         self._robot, self._vision, self._touch = robot, vision, touch
         self._kinematics = kinematics
         self._solids: dict[tuple[str, str], Solid] = {}
         self._starts: dict[str, Floats] = {}
-        self.follow(resources)
 
     def follow(self, resources: Iterable[Resource]) -> None:
         """Follow the sizes of more resources from now on."""

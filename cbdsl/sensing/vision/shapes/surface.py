@@ -9,15 +9,20 @@ information.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.documents.robot import Camera
+from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.channels import Extent
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.vision.vision import Vision
+from cbdsl.types.resource import Resource, SurfacePoint
+from cbdsl.types.source_record import sources_of
 
 # Nearest and farthest plane below the cameras, and step between planes, m: an outline's image moves
 # by at most a pixel a step.
@@ -202,3 +207,44 @@ def _sweep(
             total += nearest
             count += 1
         costs[which] = total / count if count >= _LEAST_POINTS else math.inf
+
+
+class Surfaces:
+    """Static surfaces by channel, which are remembered until the episode ends.
+
+    Args:
+        robot: Robot document with a stereo pair.
+        vision: Regions in the images of the cameras.
+    """
+
+    def __init__(self, robot: RobotDocument, vision: Vision) -> None:
+        self._robot, self._vision = robot, vision
+        self.by_channel: dict[str, LevelSurface] = {}
+
+    def follow(self, resources: Iterable[Resource]) -> None:
+        """Follow the surfaces of more resources from now on."""
+        for source in sources_of(resources, SurfacePoint):
+            self.by_channel.setdefault(source.channel, LevelSurface())
+
+    def reset(self) -> None:
+        """Forget the previous episode."""
+        for surface in self.by_channel.values():
+            surface.reset()
+
+    def update(self, observation: Observation) -> None:
+        """Update the surfaces from the newest images; vision must be up to date."""
+        if not (observation.images or observation.regions):
+            return
+        for channel, surface in self.by_channel.items():
+            views = [self._view(camera, channel) for camera in self._robot.main_cameras]
+            left, right = views
+            if left is not None and right is not None:
+                surface.see(left, right)
+
+    def _view(self, name: str, channel: str) -> SurfaceView | None:
+        regions = self._vision.seen.get(name, {}).get(channel, ())
+        extent = next((each.extent for each in regions if each.extent is not None), None)
+        if extent is None:
+            return None
+        camera = self._robot.cameras[name]
+        return SurfaceView(camera, self._vision.field.frames[name], extent)

@@ -36,7 +36,6 @@ class ChosenHeadings(ABC, Generic[Chosen]):
         robot: Robot document with the cameras.
         kinematics: Kinematics of the same robot.
         vision: Regions in the images of the cameras.
-        resources: Resources of the program.
 
     Attributes:
         kind: Source type of the resources that this class reads.
@@ -44,16 +43,9 @@ class ChosenHeadings(ABC, Generic[Chosen]):
 
     kind: type[Chosen]
 
-    def __init__(
-        self,
-        robot: RobotDocument,
-        kinematics: Kinematics,
-        vision: Vision,
-        resources: Iterable[Resource],
-    ) -> None:
+    def __init__(self, robot: RobotDocument, kinematics: Kinematics, vision: Vision) -> None:
         self._robot, self._kinematics, self._vision = robot, kinematics, vision
         self._sources: tuple[Chosen, ...] = ()
-        self.follow(resources)
         self._linger = robot.vision.regions.linger
         self._places = {name: place for place, name in enumerate(robot.main_cameras)}
         self.reset()

@@ -28,7 +28,7 @@ from cbdsl.sensing.vision.regions.camera import (
 )
 from cbdsl.sensing.vision.vision import SeenHeading, Vision
 from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
-from cbdsl.types.resource import CYCLOPEAN, Heading, Headings, StereoPosition
+from cbdsl.types.resource import CYCLOPEAN, Heading, Headings, ObjectDistance, StereoPosition
 
 Step = Callable[[Any], Any]
 Thing = tuple[str, int]
@@ -280,3 +280,37 @@ class VisualSignals:
     def _holds(self, memory: PositionMemory) -> bool:
         """Return whether the touching hands hold a remembered object."""
         return self._hold is not None and self._content.holds(memory)
+
+
+class Distances:
+    """Reader of distances between objects and the first joints of effectors.
+
+    The reach of an arm is about a ball around its first joint. A limit of reach is therefore one
+    threshold of this distance, but a staircase of thresholds of the coordinates.
+
+    Args:
+        robot: Robot document with effectors and groups.
+        kinematics: Kinematics of the same robot.
+        sight: Visual signals with the positions of objects.
+    """
+
+    def __init__(self, robot: RobotDocument, kinematics: Kinematics, sight: VisualSignals) -> None:
+        self._robot, self._kinematics, self._sight = robot, kinematics, sight
+
+    def read(self, source: ObjectDistance) -> Reading | None:
+        """Return the distance, m, from the nearest base; ``None`` without a position."""
+        seen = self._sight.position(StereoPosition(source.channel, source.instance), ())
+        if seen is None:
+            return None
+        bases = self._kinematics.origins(self._first_joints(source.effector), ())
+        distances = np.linalg.norm(bases - seen.value, axis=1)
+        return Reading(distances.min(keepdims=True), None, seen.stamp)
+
+    def _first_joints(self, effector: str) -> tuple[str, ...]:
+        """Return the joint of each member that moves all its other joints."""
+        moving = {
+            member: {joint: len(self._kinematics.above(joint)) for joint in joints}
+            for member in self._robot.members(effector)
+            if (joints := self._robot.joints(member))
+        }
+        return tuple(min(above, key=above.__getitem__) for above in moving.values())
