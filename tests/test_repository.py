@@ -45,7 +45,9 @@ def test_workflow_tests_every_stated_python() -> None:
 
 
 def test_setup_and_ci_name_every_stated_python() -> None:
-    assert f"for version in {' '.join(reversed(VERSIONS))}; do" in (ROOT / ".ci/run").read_text("utf-8")
+    assert f"for version in {' '.join(reversed(VERSIONS))}; do" in (ROOT / ".ci/run").read_text(
+        "utf-8"
+    )
     setup = (ROOT / "setup.sh").read_text("utf-8")
     lowest, highest = (f"({each.replace('.', ', ')})" for each in (VERSIONS[0], VERSIONS[-1]))
     assert f"{lowest} <= sys.version_info[:2] <= {highest}" in setup

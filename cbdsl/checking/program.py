@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,6 @@ from cbdsl.checking.rules.guards import check_guards
 from cbdsl.checking.rules.outcome_states import check_ends, read_ends
 from cbdsl.checking.rules.shared_documents import faults_of_shared
 from cbdsl.checking.rules.suspicious_parts import check_suspicious
-from cbdsl.checking.rules.unused_parts import check_unused
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.checking.used_programs import Budget, UsedPrograms
@@ -362,3 +361,26 @@ def _primitives(actions: list[Outcome[Action]]) -> dict[str, Primitive]:
         and action.composition is not None
         and len(action.composition.primitives) == 1
     }
+
+
+def check_unused(context: ProgramContext, used: Collection[str]) -> None:
+    """Warn of unused controllers, programs and parameters, and of hidden names.
+
+    Args:
+        context: Program context.
+        used: Controllers, programs and conditions that the program refers to.
+    """
+    document, source = context.document, context.source
+    for section in ("controllers", "use", "conditions"):
+        for name in getattr(document, section):
+            if name not in used and name not in context.loaded.taken:
+                context.add("CB701", source.key(section, name), name=name)
+    for name in document.parameters:
+        if name not in context.scope.used:
+            section = "roles" if name in document.roles else "parameters"
+            context.add("CB702", source.key(section, name), name=name)
+    for name in document.controllers:
+        if name in document.use:
+            related = [(source.key("use", name), "the program")]
+            place = source.key("controllers", name)
+            context.add("CB703", place, related=related, name=name, other="program")

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from cbdsl.checking.lookup.missing_resources import MissingResources
-from cbdsl.checking.lookup.parsing import parse_at
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.sound_controllers import SoundControllers
@@ -15,6 +14,8 @@ from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ControllerSection, ProgramDocument
 from cbdsl.language.expression import Expression, Span, Term
+from cbdsl.language.parser import LookAlikeError, parse
+from cbdsl.language.scanner import CompositionError
 from cbdsl.robot.instance_names import (
     InstanceName,
     instance_names,
@@ -167,3 +168,29 @@ class ProgramContext:
         details = {"name": base, "instance": given, "hint": hint}
         self.add("CB565", place, names=allowed, given=given, **details)
         return UNKNOWN
+
+
+# Sections whose keys occur in compositions.
+_CALLED = ("controllers", "use")
+
+
+def parse_at(
+    text: str, source: SourceMap, steps: tuple[Step, ...], diagnostics: Diagnostics
+) -> Outcome[Expression]:
+    """Return the composition at a path; unknown if the text is not valid."""
+    try:
+        return parse(text)
+    except LookAlikeError as error:
+        place = source.inside(steps, error.span.start, error.span.end)
+        diagnostics.add("CB408", place, sign=error.sign, suggestion=error.suggestion)
+    except CompositionError as error:
+        if _is_of_a_faulty_name(text, source):
+            return UNKNOWN
+        place = source.inside(steps, error.span.start, error.span.end)
+        diagnostics.add("CB401", place, problem=str(error))
+    return UNKNOWN
+
+
+def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:
+    """Return whether a text mentions an invalid key such as ``track-it``."""
+    return any(key in text and not key.isidentifier() for key in source.broken.keys(_CALLED))

@@ -1,29 +1,15 @@
 """Silhouettes: the visible parts of solids, and the occlusions among solids."""
 
-# Model: a pinhole camera at the origin looks along +x. A line of sight has the slopes (y, z), and
-# the direction (1, y, z). Pixels are column = f (W / (2 f) - y) and row = f (H / (2 f) - z).
-# Equations: each target is sampled by N x N lines of sight across its bounding window. A line sees
-# the target if it enters the target before any other solid. Of the n lines that see it,
-#     area     = n f^2 (window / N^2)
-#     centroid = mean of (y, z), mapped to pixels
-#     moments  = f^2 (mean products - products of the means + cell^2 / 12)
-# The last term is the variance within the cell that each line stands for. Solids are balls, boxes
-# and cylinders, which are convex, so that the lines of a column that meet one are adjacent;
-# ``met_rows`` finds the first and the last one.
-# Assumptions: no lens distortion and no blur. Disturbances are added by the caller, not here.
-# Source: Eq 3.10 defines regions of pixels; this is their limit for fine pixels.
-
 from __future__ import annotations
 
 import math
 
 import numpy as np
 
-from cbdsl.backends.cameras.components import keep_largest
 from cbdsl.backends.cameras.ray import Triple, direction_at, entered, met_rows
 from cbdsl.backends.cameras.solid_view import VIEW, Window, view_of, views_before
 from cbdsl.backends.staging.solids import WIDTH, attach
-from cbdsl.numeric.arrays import Booleans, Floats, Rows
+from cbdsl.numeric.arrays import Booleans, Floats, Integers, Rows
 from cbdsl.numeric.compiled import compiled, compiled_once
 
 Patch = tuple[float, float, float, float]
@@ -279,3 +265,49 @@ def unhidden(
         y, z = slopes[index, 0], slopes[index, 1]
         _scan(views[:count], (y, y, z, z), 1, WHOLE, one)
         seen[index] = one[0, 0]
+
+
+@compiled
+def keep_largest(seen: Booleans, size: int) -> None:
+    """Keep only the largest component; cells connect by sides or corners.
+
+    Args:
+        seen: Visible cells, of which the first ``size`` in each direction count, shape (n, n).
+        size: Number of cells in each direction, at most n.
+    """
+    # The queue cannot overflow, because a cell gets its label when it is queued, and so is queued
+    # once.
+    labels, queue = np.zeros((size, size), np.int64), np.empty((size * size, 2), np.int64)
+    largest, most, count = 0, 0, 0
+    for column in range(size):
+        for row in range(size):
+            if seen[column, row] and labels[column, row] == 0:
+                count += 1
+                area = _flood(seen, size, column, row, count, labels, queue)
+                if area > most:
+                    largest, most = count, area
+    # Most silhouettes are connected, and need no second pass.
+    if count > 1:
+        for column in range(size):
+            for row in range(size):
+                seen[column, row] = labels[column, row] == largest
+
+
+@compiled
+def _flood(
+    seen: Booleans, size: int, column: int, row: int, label: int, labels: Integers, queue: Integers
+) -> int:
+    """Label all cells of the component of one cell; return their number."""
+    labels[column, row] = label
+    queue[0, 0], queue[0, 1] = column, row
+    first, end = 0, 1
+    while first < end:
+        here, there = queue[first, 0], queue[first, 1]
+        first += 1
+        for i in range(max(here - 1, 0), min(here + 2, size)):
+            for k in range(max(there - 1, 0), min(there + 2, size)):
+                if seen[i, k] and labels[i, k] == 0:
+                    labels[i, k] = label
+                    queue[end, 0], queue[end, 1] = i, k
+                    end += 1
+    return end

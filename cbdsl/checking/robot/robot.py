@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -9,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.drivers import check_drivers
-from cbdsl.checking.robot.implausible_settings import check_speeds, note_assumptions
 from cbdsl.checking.robot.model_agreement import (
     check_bodies,
     check_mimics,
@@ -19,19 +19,19 @@ from cbdsl.checking.robot.model_agreement import (
 from cbdsl.checking.robot.model_check import ModelCheck
 from cbdsl.checking.robot.robot_constants import check_constants, check_margins
 from cbdsl.checking.robot.settings import check_settings
-from cbdsl.checking.robot.taken_names import check_names
 from cbdsl.checking.start_clearance import unkept_clearance
-from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.counting import count, some
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.robot import Effector, RobotDocument
-from cbdsl.robot.channel_names import channel_names
-from cbdsl.robot.resources import resources
+from cbdsl.robot.channel_names import bin_names, channel_names
+from cbdsl.robot.resources import CAMERAS, STEREO, resources
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.storage.contents import is_file
+from cbdsl.types.resource import CYCLOPEAN
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -290,3 +290,86 @@ def _details(faults: list[FaultyMesh]) -> dict[str, str]:
     more = f", and {len(faults) - 1} more" if len(faults) > 1 else ""
     file, link, damage = faults[0]
     return {"file": file, "link": link, "problem": damage, "more": more}
+
+
+# Eight turns a second, and 180 km/h: no arm comes near either.
+_FASTEST = {"rad": 50.0, "m": 50.0}
+
+
+def check_speeds(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> None:
+    """Warn of implausibly high speeds, such as degrees that were read as radians."""
+    control = loaded.document.control
+    speeds: list[tuple[tuple[Step, ...], float, str]] = [
+        (("control", "joint_speed"), control.joint_speed, "rad")
+    ]
+    for name, settings in control.tasks.items():
+        if settings.speed is not None and name in TYPES:
+            unit = TYPES[name].unit.partition(" or ")[0]
+            speeds.append((("control", "tasks", name, "speed"), settings.speed, unit))
+    for steps, speed, unit in speeds:
+        if speed > _FASTEST.get(unit, math.inf):
+            details = {"speed": f"{speed:g} {unit}/s", "most": f"{_FASTEST[unit]:g} {unit}/s"}
+            diagnostics.add("CB740", loaded.source.place(*steps), **details)
+
+
+def note_assumptions(
+    loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics
+) -> None:
+    """Note links without collision geometry, and drives whose effort is taken to be unlimited."""
+    robot, place = loaded.document, loaded.source.place("model")
+    # A link that only houses a camera needs no geometry for contacts.
+    housings = {camera.link for camera in robot.cameras.values()}
+    shapeless = [link for link in model.shapeless if link not in housings]
+    if shapeless:
+        diagnostics.add("CB742", place, model=model.path.name, links=some(shapeless))
+    driven = [joint for effector in robot.effectors.values() for joint in effector.joints]
+    zero = [name for name in driven if name in model.joints and _is_unbounded(model, robot, name)]
+    if zero:
+        diagnostics.add("CB743", place, model=model.path.name, joints=some(zero))
+
+
+def _is_unbounded(model: UrdfModel, robot: RobotDocument, joint: str) -> bool:
+    """Return whether the model states an effort of 0 for a joint and the document sets no bound."""
+    return model.joints[joint].zero_effort and joint not in robot.simulation.efforts
+
+
+_SIGHT = {CAMERAS: "all cameras", CYCLOPEAN: "the mean of all cameras", STEREO: "both cameras"}
+_TIP = ("position", "orientation", "pose")
+
+
+def check_names(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> None:
+    """Report names that already have another meaning in programs."""
+    robot, source = loaded.document, loaded.source
+    for steps, meaning in _taken(robot):
+        diagnostics.add("CB314", source.key(*steps), name=steps[-1], meaning=meaning)
+    channels = robot.vision.channels
+    bins = {*bin_names(channels)}
+    for key, names, taken in (
+        ("colors", channels.colors, bins),
+        ("aliases", channels.aliases, bins | {*channels.colors}),
+    ):
+        for name in names:
+            if name in taken:
+                diagnostics.add("CB315", source.key("vision", "channels", key, name), name=name)
+
+
+def _taken(robot: RobotDocument) -> Iterator[tuple[Steps, str]]:
+    """Yield the paths of keys with names that are taken, and the meaning of each name."""
+    cameras = {name: f"camera '{name}'" for name in robot.cameras}
+    sight = {**cameras, **_SIGHT} if robot.cameras else {}
+    yield from ((("cameras", name), _SIGHT[name]) for name in robot.cameras if name in _SIGHT)
+    for section in ("effectors", "groups"):
+        names = getattr(robot, section)
+        yield from (((section, name), sight[name]) for name in names if name in sight)
+    for name, effector in robot.effectors.items():
+        parts = {"uniform": "a draw between the joint limits"}
+        if effector.tip is not None:
+            parts |= {part: f"the {part} of its tip" for part in _TIP}
+        if name in robot.load_cells:
+            parts |= {"finger_forces": "the forces of its fingers"}
+        for posture in effector.postures:
+            if posture in parts:
+                yield ("effectors", name, "postures", posture), parts[posture]
+    for hand, cells in robot.load_cells.items():
+        if "net" in cells:
+            yield ("load_cells", hand, "net"), "the sum over the fingers"

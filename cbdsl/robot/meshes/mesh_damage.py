@@ -18,8 +18,11 @@ from xml.parsers import expat
 
 from cbdsl.diagnostics.legible_text import legible
 from cbdsl.diagnostics.reason import reason
-from cbdsl.robot.meshes.decimal import DECIMAL
 from cbdsl.storage.contents import contents
+
+#: Pattern of a decimal number below 1e30. Possessive quantifiers keep its time linear.
+DECIMAL = r"[-+]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE](?:-\d++|\+?(?=\d)0*+(?:[12]?\d)?(?!\d)))?+"
+
 
 _FACES = ("triangles", "polylist", "polygons", "trifans", "tristrips")
 _NO_NUMBER = re.compile(rf"(?<!\S)(?!{DECIMAL}(?!\S))\S++")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from cbdsl.backends.cameras.components import keep_largest
+from cbdsl.backends.cameras.silhouettes import keep_largest
 
 
 @njit

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import JointTorques
-from cbdsl.sensing.touch.strain import Strain
+from cbdsl.sensing.touch.touch import Strain
 
 WEIGHT = np.array([3.0, -1.0])
 

@@ -13,8 +13,12 @@ from cbdsl.control.potentials.spring import spring
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.pair_names import pair_resource, parse_pair
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.vision.regions.blob import Blob
-from cbdsl.sensing.vision.signals.blob_signals import Constellation, constellation_of, half_turn
+from cbdsl.sensing.vision.signals.blob_signals import (
+    Blob,
+    Constellation,
+    constellation_of,
+    half_turn,
+)
 from cbdsl.types.resource import ConstellationSignal, StereoOffset
 
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cbdsl.documents.robot import Camera
 from cbdsl.sensing.channels import Moments, Region
-from cbdsl.sensing.vision.regions.blob import blob_of
 from cbdsl.sensing.vision.regions.camera import heading, sight
+from cbdsl.sensing.vision.signals.blob_signals import blob_of
 
 CAMERA = Camera(link="eye", width=320, height=240, focal_length=418.5)
 ANGLES = st.floats(-1.5, 1.5)
