@@ -78,7 +78,8 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
     basis, taken = empty_basis(joints, len(middle)), 0
     start, delicate, second = 0, False, levels.curved.any()
     for level, end in enumerate(levels.ends):
-        leave_idle(levels, level, start, total, middle, wanted)
+        acting = leave_idle(levels, level, start, total, middle, wanted)
+        way = _way(level, levels, wanted[start:end], middle[start:end], acting)
         # Every pass locks a joint, reaches a bound or is the last.
         while taken < joints and ages[level] > 0:
             own, requested = middle[start:end], wanted[start:end]
@@ -91,8 +92,7 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
             )
             below, resisted = taken + rank, basis.directions[:0]
             values, threshold = sizes[:rank], law.guards[1]
-            singular = _is_singular(values, end - start, levels.curved[level], threshold)
-            way = Way(norm(requested), levels.fractions[level], levels.errors[level], _lever(own))
+            singular = _is_singular(values, acting, levels.curved[level], threshold)
             if second and (delicate or singular or _is_near(values, threshold)):
                 left = _undone(own, residual, change, law, bounds)
                 if delicate or singular or norm(left) > _ACHIEVED * norm(residual):
@@ -112,7 +112,7 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
                 delicate |= singular
                 taken = _withhold(level, levels, resisted, basis, below, least_resisted(way))
                 break
-            taken = hold_row(reached, rows, levels, basis, taken, middle, law.singular_values)
+            taken = hold_row(reached, rows, levels, basis, taken, middle, wanted, law)
         start = end
     keep_within(total, bounds)
     return False
@@ -215,18 +215,20 @@ def _curve(
     if taken > 0:
         for i in range(len(left)):
             add(pull, middle[start + i], left[i])
+        # Own rows have multipliers where their bounds are reached.
         multipliers = balance(pull, basis, taken, middle)
-        add_curvature(hessians[:start], multipliers[:start], 1.0, curvature)
+        add_curvature(hessians[:end], multipliers[:end], 1.0, curvature)
     return curvature
 
 
 @compiled
-def _lever(rows: Floats) -> float:
-    """Return the root of the mean square of the singular values of rows (k, n)."""
+def _way(level: int, levels: LevelArrays, requested: Floats, rows: Floats, acting: int) -> Way:
+    """Return the way of a level by its rows (k, n); idle rows are 0."""
     square = 0.0
     for row in rows:
         square += dot(row, row)
-    return math.sqrt(square / len(rows))
+    lever = math.sqrt(square / max(acting, 1))
+    return Way(norm(requested), levels.fractions[level], levels.errors[level], lever)
 
 
 @compiled

@@ -11,6 +11,7 @@ is optimal for bounds at right angles; at a corner of others, a level may move l
 from __future__ import annotations
 
 from cbdsl.control.basis import Basis, span
+from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
@@ -23,8 +24,8 @@ _ROUNDING = 1e-12
 @compiled
 def leave_idle(
     levels: LevelArrays, level: int, start: int, total: Floats, middle: Floats, wanted: Floats
-) -> None:
-    """Leave out the rows of a level whose bounds the levels above obey.
+) -> int:
+    """Leave out the rows of a level whose bounds the levels above obey; return how many act.
 
     Args:
         levels: Levels; ``idle`` is written.
@@ -34,12 +35,16 @@ def leave_idle(
         middle: Rows of all levels, shape (k, n); those left out become 0.
         wanted: Requested displacement of all rows, shape (k,); the same.
     """
+    acting = 0
     for row in range(start, levels.ends[level] if levels.ages[level] > 0 else start):
         side, request = levels.sides[row], levels.requested[row]
         levels.idle[row] = side != 0.0 and side * (dot(middle[row], total) - request) <= _ROUNDING
         if levels.idle[row]:
             fill(middle[row], 0.0)
             wanted[row] = 0.0
+        else:
+            acting += 1
+    return acting
 
 
 @compiled
@@ -68,7 +73,7 @@ def go_to_bound(levels: LevelArrays, end: int, rows: Floats, total: Floats, chan
 @compiled
 def hold_row(
     row: int, rows: Floats, levels: LevelArrays, basis: Basis, taken: int, middle: Floats,
-    values: Floats,
+    wanted: Floats, law: LawArrays,
 ) -> int:  # fmt: skip
     """Add a reached bound to the basis; return its number of directions.
 
@@ -79,11 +84,12 @@ def hold_row(
         basis: Basis so far.
         taken: Number of its directions.
         middle: Rows of all levels that act, shape (k, n); gets the row back.
-        values: Singular values of all rows, shape (k,).
+        wanted: Requested displacement of all rows, shape (k,); the same.
+        law: Law, whose singular value of the row is written.
     """
-    levels.idle[row] = False
+    levels.idle[row], wanted[row] = False, levels.requested[row]
     copy(middle[row], rows[row], 1.0)
     for i in range(taken, len(basis.directions)):
         fill(basis.sides[i], 0.0)
-    own = rows[row : row + 1]
-    return taken + len(span(own, basis, taken, row, values[row : row + 1]))
+    own, value = rows[row : row + 1], law.singular_values[row : row + 1]
+    return taken + len(span(own, basis, taken, row, value))

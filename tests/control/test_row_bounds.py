@@ -17,29 +17,91 @@ JOINTS = 7
 seeds = st.integers(0, 2**32 - 1)
 
 
-def law_of(step: float = 1e3) -> Law:
+def law_of(step: float = 1e3, damping: float = 0.0) -> Law:
     limits = np.full(JOINTS, 1e3)
-    return Law(-limits, limits, LawSettings(joint_step=step, damping=0.0))
+    return Law(-limits, limits, LawSettings(joint_step=step, damping=damping))
 
 
 def bounded(levels: list[Level], sides: Floats) -> Stack:
     stack = Stack.of(levels, JOINTS)
     stack.arrays.sides[:] = sides
+    stack.arrays.errors[:] = 0.0  # nothing beyond the requests
     return stack
+
+
+def curved(levels: list[Level], rng: np.random.Generator) -> list[Level]:
+    """Return levels with random Hessians."""
+    bends = [rng.normal(size=(len(each.velocity), JOINTS, JOINTS)) for each in levels]
+    return [
+        level._replace(hessian=bend + bend.transpose(0, 2, 1), fraction=0.5)
+        for level, bend in zip(levels, bends, strict=True)
+    ]
 
 
 def random_levels(rng: np.random.Generator) -> tuple[list[Level], Floats]:
     """Return two to five levels, and the sides of their rows; allowed ways are not negative."""
-    levels, sides = [], []
+    levels: list[Level] = []
+    sides = []
     for number in range(rng.integers(2, 6)):
         rows = rng.normal(size=(rng.integers(1, 4), JOINTS))
         if levels and rng.random() < 0.3:
             rows = rng.normal(size=(len(rows), len(levels[-1].jacobian))) @ levels[-1].jacobian
-        side = rng.choice([-1.0, 1.0], len(rows)) * (rng.random() < 0.5)
+        side = rng.choice([-1.0, 1.0], len(rows)) * (
+            rng.random(len(rows)) < rng.choice([0, 0.5, 1])
+        )
         asked = rng.normal(size=len(rows))
         levels.append(Level(str(number), rows, np.where(side != 0.0, side * abs(asked), asked)))
         sides.append(side)
-    return levels, np.concatenate(sides)
+    return curved(levels, rng) if rng.random() < 0.5 else levels, np.concatenate(sides)
+
+
+@given(seed=seeds)
+def test_hessians_of_levels_that_move_as_requested_change_nothing(seed: int) -> None:
+    """Idle rows of a level, and its own rows that it reaches, are no singularity."""
+    rng = np.random.default_rng(seed)
+    counts = rng.integers(1, 4, 2)
+    levels = [Level(str(n), rng.normal(size=(n, JOINTS)), rng.normal(size=n)) for n in counts]
+    sides = rng.choice([-1.0, 0.0, 1.0], sum(counts))
+    for level, side in zip(levels, np.split(sides, counts[:1]), strict=True):
+        level.velocity[:] *= np.where(side * level.velocity < 0.0, -1.0, 1.0)
+    flat, bent = (
+        law_of().compose(bounded(each, sides), np.zeros(JOINTS)).displacement
+        for each in (levels, curved(levels, rng))
+    )
+    np.testing.assert_allclose(bent, flat, rtol=1e-6, atol=1e-8)
+    asked, rows = (np.concatenate([each[key] for each in levels]) for key in (2, 1))
+    np.testing.assert_allclose((rows @ bent - asked)[sides == 0.0], 0.0, atol=1e-6)
+
+
+@given(seed=seeds)
+def test_bounds_of_a_level_act_as_those_of_a_level_above_it(seed: int) -> None:
+    """Also if the level is singular, and bends by its Hessians."""
+    rng = np.random.default_rng(seed)
+    count, rank = rng.integers(1, 4, 2)
+    rows = rng.normal(size=(count, rank)) @ rng.normal(size=(rank, JOINTS))
+    sides = rng.choice([-1.0, 1.0], rng.integers(1, 3))
+    allowed = 0.02 * sides * rng.random(len(sides))
+    levels = [
+        Level("bound", rng.normal(size=(len(sides), JOINTS)), allowed),
+        Level("task", rows, 0.1 * rng.normal(size=count)),
+        Level("rest", np.eye(JOINTS)[:4], rng.normal(size=4)),
+    ]
+    levels = curved(levels, rng) if rng.random() < 0.8 else levels
+    bends = [level.hessian for level in levels[:2] if level.hessian is not None]
+    bound, task, rest = levels
+    one = Level(
+        "both",
+        np.concatenate((bound.jacobian, task.jacobian)),
+        np.concatenate((bound.velocity, task.velocity)),
+        np.concatenate(bends) if bends else None,
+        task.fraction,
+    )
+    law, sides = law_of(damping=0.01), np.append(sides, np.zeros(count + 4))
+    above, within = (
+        law.compose(bounded(each, sides), np.zeros(JOINTS)).displacement
+        for each in (levels, [one, rest])
+    )
+    np.testing.assert_allclose(within, above, rtol=1e-6, atol=1e-9)
 
 
 @given(seed=seeds)
@@ -90,6 +152,34 @@ def test_bound_that_a_level_reaches_reports_its_row() -> None:
     step = law_of().compose(bounded([bound, task], np.array([1.0, 0, 0])), np.zeros(JOINTS))
     np.testing.assert_allclose(step.displacement[:2], [0.1, 1.0])
     assert step.levels[0].jacobian[0, 0] == 1.0 and step.reports[1].rank == 1
+
+
+@pytest.mark.parametrize("size", [1.0, 0.1])
+def test_level_that_reaches_its_own_bound_needs_no_hessians(size: float) -> None:
+    rows, asked = size * np.array([[1.0, 0.0], [-1.0, 1.0]]), size * np.array([-0.4, 0.1])
+    stack = Stack.of([Level("task", rows, asked, np.ones((2, 2, 2)), 0.5)], 2)
+    stack.arrays.sides[1] = 1.0
+    bound = np.full(2, 1e3)
+    step = Law(-bound, bound, LawSettings(joint_step=1e3)).compose(stack, np.zeros(2))
+    np.testing.assert_allclose(step.displacement, [-0.4, -0.3])
+    assert not stack.arrays.bent
+
+
+def test_idle_bound_leaves_the_step_from_a_saddle_as_long() -> None:
+    """The step is as long as the rows that act need for the request."""
+    bends, limit, moved = np.zeros((3, 3, 3)), np.full(3, 1e3), []
+    bends[1, 1, 1] = 1.0
+    rows, asked = np.diag([0.5, 0.0, 1.0]), np.array([0.0, 0.01, 9.0])
+    task = Level("task", rows, asked, bends, 0.5)
+    alone = Level("task", rows[:2], asked[:2], bends[:2], 0.5)
+    above = Level("above", np.eye(3)[:1], np.zeros(1))
+    law = Law(-limit, limit, LawSettings(joint_step=1e3))
+    for level in (alone, task):
+        stack = Stack.of([above, level], 3)
+        stack.arrays.sides[3:], stack.arrays.errors[:] = 1.0, 0.02
+        moved.append(law.compose(stack, np.zeros(3)).displacement.copy())
+    assert moved[0][1] != 0.0
+    np.testing.assert_allclose(moved[1], moved[0])
 
 
 @pytest.mark.parametrize("seed", range(8))
