@@ -238,7 +238,3 @@ def _persistent(request: RunRequest) -> RunRequest:
 
     world = request.stage.world.model_copy(update={"persistent": True})
     return replace(request, stage=request.stage.model_copy(update={"world": world}))
-
-
-def _ignore(transition: Transition) -> None:
-    """Ignore a transition."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from cbdsl.checking.rules.flow import automaton_of
@@ -11,13 +11,14 @@ from cbdsl.program.automaton import ProgramStep
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.exit_list import with_short_exits
 from cbdsl.program.transition import Transition
-from cbdsl.types.state import STUCK, Predicate
+from cbdsl.program.uses import by_use
+from cbdsl.types.state import ANY, ARRIVED, STUCK, Predicate
 
 AutomatonData = Mapping[str, Any]
 
 
 def automata(program: CheckedProgram, *, is_short: bool = True) -> dict[str, AutomatonData]:
-    """Return the automata of a program and of the programs that it uses, by name.
+    """Return the automata of a program and of the programs that it uses; see ``of_use``.
 
     A program without a written policy has none.
 
@@ -25,18 +26,11 @@ def automata(program: CheckedProgram, *, is_short: bool = True) -> dict[str, Aut
         program: Program.
         is_short: True for short lists of exits, which take longer to find.
     """
-    named = {each.name: each for each in used_programs(program) if not each.is_learned}
-    pairs = ((name, automaton_data(each, is_short=is_short)) for name, each in named.items())
-    return {name: data for name, data in pairs if data is not None}
 
+    def data(each: CheckedProgram) -> AutomatonData | None:
+        return None if each.is_learned else automaton_data(each, is_short=is_short)
 
-def used_programs(program: CheckedProgram) -> list[CheckedProgram]:
-    """Return a program and all programs that it uses, each once."""
-    programs = [program]
-    for action in program.actions:
-        inner = [] if action.program is None else used_programs(action.program)
-        programs += [each for each in inner if each not in programs]
-    return programs
+    return by_use(program, data)
 
 
 def automaton_data(program: CheckedProgram, *, is_short: bool = True) -> dict[str, Any] | None:
@@ -48,8 +42,7 @@ def automaton_data(program: CheckedProgram, *, is_short: bool = True) -> dict[st
     automaton = automaton_of(program)
     if automaton is None:
         return None
-    kinds = {action.name: "program" for action in program.actions if action.program is not None}
-    kinds |= dict.fromkeys(program.conditions, "condition")
+    kinds = member_kinds(program)
     uses = {action.name: action.program.name for action in program.actions if action.program}
     steps = automaton.steps.values()
     # Steps as written are the shortest to read.
@@ -77,6 +70,12 @@ def automaton_data(program: CheckedProgram, *, is_short: bool = True) -> dict[st
         },
         "reward_ends": program.reward_ends,
     }
+
+
+def member_kinds(program: CheckedProgram) -> dict[str, str]:
+    """Return the kinds of the members that are no controllers: ``program`` or ``condition``."""
+    kinds = {action.name: "program" for action in program.actions if action.program is not None}
+    return kinds | dict.fromkeys(program.conditions, "condition")
 
 
 def _exits(step: ProgramStep, kinds: Mapping[str, str]) -> Iterator[dict[str, Any]]:
@@ -143,9 +142,16 @@ def clauses(letters: Mapping[str, str], kinds: Mapping[str, str]) -> str:
     return ", ".join(f"{name} {_value(kinds.get(name), own)}" for name, own in letters.items())
 
 
+def state_text(members: Sequence[str], state: str, kinds: Mapping[str, str]) -> str:
+    """Return a state or a pattern by its active members: ``reach is at rest, touch is moving``."""
+    silent = (Predicate.INACTIVE, ANY)
+    active = {name: own for name, own in zip(members, state, strict=True) if own not in silent}
+    return clauses(active, kinds) or ("any" if ANY in state else "nothing is active")
+
+
 def _value(kind: str | None, letter: str) -> str:
-    if letter == STUCK:
-        return "is stuck"
+    if letter in (ARRIVED, STUCK):
+        return "is stuck" if letter == STUCK else "has arrived"
     words = WORDS[kind or "controller"]
     word = next(word for word, letters in words.items() if letter in letters)
     return word if word in ("failed", "succeeded") else f"is {word}"

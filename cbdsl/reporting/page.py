@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.program.transition import Transition
-from cbdsl.reporting.automaton_text import AutomatonData, transition_text
+from cbdsl.reporting.automaton_text import AutomatonData
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.diagnoses import DIAGNOSES
-from cbdsl.reporting.drawing.automaton_graph import automaton_graph
+from cbdsl.reporting.drawing.automaton_graph import graph_of_steps
 from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reporting.drawn_links import DrawnLink, LinkShape, read_links
 from cbdsl.reporting.recorded import Recorded
@@ -46,7 +45,7 @@ def _data(recorded: Recorded) -> str:
         "holders": [*summary["controllers"], *HOLDERS],
         "triples": summary["triples"],
         "members": summary["members"],
-        "transitions": [_with_words(each, automata) for each in summary["transitions"]],
+        "transitions": recorded.transitions,
         "steps": drawn_steps(automata),
         "leads": summary.get("leads", {}),
         "predicates": summary["predicates"],
@@ -68,20 +67,11 @@ _RESULT = ("program", "stage", "context", "seed", "rewarded", "sim_seconds", "en
 
 
 def drawn_steps(automata: Mapping[str, AutomatonData]) -> dict[str, object]:
-    """Return the automata of programs by name, each with its picture as SVG."""
+    """Return the automata of uses of programs, each with its picture as SVG."""
     return {
-        name: {**each, "svg": svg(automaton_graph(name, automata, is_alone=True))}
+        name: {**each, "svg": svg(graph_of_steps(name, each, {}))}
         for name, each in automata.items()
     }
-
-
-def _with_words(
-    recorded: Mapping[str, Any], automata: Mapping[str, AutomatonData]
-) -> dict[str, object]:
-    """Return a recorded transition with its words, which are empty without an automaton."""
-    automaton = automata.get(recorded["program"])
-    words = automaton and transition_text(automaton, Transition(**recorded))
-    return {**recorded, "words": words or ""}
 
 
 def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import IO, Any
 
@@ -15,6 +16,9 @@ from numpy.typing import NDArray
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
+from cbdsl.program.transition import Transition
+from cbdsl.program.uses import of_use
+from cbdsl.reporting.automaton_text import transition_text
 from cbdsl.reporting.recorded_form import array_faults, summary_faults
 from cbdsl.runtime.recording import VERSION
 from cbdsl.storage.contents import contents, json_of
@@ -70,6 +74,24 @@ class Recorded:
         result = self.summary["result"]
         is_rewarded = result["rewarded"] or result.get("outcome") == "success"
         return not result.get("succeeded", is_rewarded)  # older recordings lack it
+
+    @cached_property
+    def transitions(self) -> list[dict[str, Any]]:
+        """Transitions with their ``words``, such as ``lift -> carry, since lift is at rest``.
+
+        The words are empty for an action that is no step, and in old recordings.
+        """
+        rows, automata = [], self.summary.get("automata", {})
+        for each in self.summary["transitions"]:
+            automaton = of_use(automata, each["program"], each.get("use", ""))
+            words = "" if automaton is None else transition_text(automaton, Transition(**each))
+            rows.append({**each, "words": words})
+        return rows
+
+    def members(self, transition: Mapping[str, Any]) -> Sequence[str]:
+        """Return the members that the characters of a transition's states stand for."""
+        use = transition.get("use", "")
+        return of_use(self.summary["members"], transition["program"], use) or ()
 
     @property
     def signals(self) -> Mapping[str, NDArray[Any]]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, ValidationError
 
+from cbdsl.program.uses import of_use
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
 from cbdsl.runtime.recording import HOLDERS, SIGHT
@@ -181,19 +182,26 @@ def summary_faults(summary: Mapping[str, Any]) -> Iterator[str]:
         yield "predicates: there are none"
     if any(len(each) != len(controllers) for each in summary["predicates"]):
         yield "predicates: have not one letter for each controller"
-    members = summary["members"]
-    for each in summary["transitions"]:
-        states = (each["state"], each["next_state"])
-        if any(len(state) != len(members.get(each["program"], ())) for state in states):
-            yield "transitions: have not one letter for each member"
-    for name, automaton in summary.get("automata", {}).items():
-        letters = (each["letters"] for step in automaton["steps"] for each in step["exits"])
-        if automaton["members"] != members.get(name) or any(
-            each.keys() - set(automaton["members"]) for each in letters
-        ):
-            yield f"automata: {name} has other members than its program"
+    yield from _transition_faults(summary)
     for parts in summary["scene"].values():
         yield from (fault for part in parts for fault in _part_faults(part))
+
+
+def _transition_faults(summary: Mapping[str, Any]) -> Iterator[str]:
+    automata = summary.get("automata", {})
+    for each in summary["transitions"]:
+        program, use = each["program"], each.get("use", "")
+        states = (each["state"], each["next_state"])
+        members = of_use(summary["members"], program, use) or ()
+        if any(len(state) != len(members) for state in states):
+            yield "transitions: have not one letter for each member"
+        automaton = of_use(automata, program, use)
+        if automaton is not None and automaton["members"] != members:
+            yield f"automata: {program} has other members than its program"
+    for name, automaton in automata.items():
+        letters = (each["letters"] for step in automaton["steps"] for each in step["exits"])
+        if any(each.keys() - set(automaton["members"]) for each in letters):
+            yield f"automata: {name} has an exit of a member that it lacks"
 
 
 def _robot_faults(summary: Mapping[str, Any]) -> Iterator[str]:

@@ -20,6 +20,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
+from cbdsl.program.uses import by_use
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.meshes.simplified_mesh import simplified
 from cbdsl.runtime.causes import CLEARANCE, LIMITS, OPTIMUM, SINGULAR
@@ -325,24 +326,14 @@ def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[
 
 
 def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
-    """Return the members that the characters of the states stand for, by program."""
-    return {each.name: each.members for each in _programs(program)}
+    """Return the members that the characters of the states stand for; see ``of_use``."""
+    return by_use(program, lambda each: each.members)
 
 
 def limits(program: CheckedProgram) -> dict[str, dict[str, object]]:
-    """Return the limits of transitions and times, s, by program."""
+    """Return the limits of transitions and times, s; see ``of_use``."""
     keys = ("transitions", "transition_time", "idle_time", "episode_time", "lost_time")
-    return {each.name: {key: getattr(each, key) for key in keys} for each in _programs(program)}
-
-
-def _programs(program: CheckedProgram) -> Iterator[CheckedProgram]:
-    """Yield a program and all programs that it uses."""
-    yield program
-    for action in program.actions:
-        if action.program is not None:
-            yield from _programs(action.program)
-    for look in program.looks.values():
-        yield from _programs(look.program)
+    return by_use(program, lambda each: {key: getattr(each, key) for key in keys})
 
 
 def _leads(run: ProgramRun, prefix: str = "") -> Iterator[tuple[str, str]]:

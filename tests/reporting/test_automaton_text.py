@@ -8,7 +8,8 @@ import pytest
 
 import cbdsl
 from cbdsl.program.transition import Transition
-from cbdsl.reporting.automaton_text import automata, transition_text, used_programs
+from cbdsl.program.uses import used_programs
+from cbdsl.reporting.automaton_text import automata, transition_text
 from tests.program.test_dry_run import PROGRAMS, program_of
 
 SURVEY = """

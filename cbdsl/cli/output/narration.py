@@ -8,12 +8,8 @@ from dataclasses import asdict
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
-from cbdsl.reporting.automaton_text import (
-    AutomatonData,
-    automata,
-    transition_text,
-    used_programs,
-)
+from cbdsl.program.uses import by_use, of_use
+from cbdsl.reporting.automaton_text import AutomatonData, automaton_data, transition_text
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 
@@ -26,21 +22,22 @@ class Narration(EpisodeObserver):
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
         """Note the program that runs."""
-        self._automata = {}
-        self._add(program)
+        self._follow(program)
 
     def note_edit(self, edit: EditTaken) -> None:
         """Note an edited program, which has other steps."""
-        self._add(edit.program)
+        self._follow(edit.program)
 
-    def _add(self, program: CheckedProgram) -> None:
-        names = {each.name for each in used_programs(program) if each.steps}
-        items = automata(program, is_short=False).items()
-        self._automata |= {name: each for name, each in items if name in names}
+    def _follow(self, program: CheckedProgram) -> None:
+        def data(each: CheckedProgram) -> AutomatonData | None:
+            is_read = each.steps and not each.is_learned
+            return automaton_data(each, is_short=False) if is_read else None
+
+        self._automata = by_use(program, data)
 
     def note_transition(self, transition: Transition) -> None:
         """Print a transition, indented by how deep its program is used."""
-        automaton = self._automata.get(transition.program)
+        automaton = of_use(self._automata, transition.program, transition.use)
         words = automaton and transition_text(automaton, transition)
         indent = "    " * transition.depth
         reward = f"  reward {transition.reward}" if transition.reward else ""

@@ -121,7 +121,7 @@ async function main() {
   // One state of the episode: the newest one, or an earlier one.
   function draw(frame) {
     const running = frame.stack ? [] : frame.running.map((each) => ({ ...each, value: (member) => each.values[member] ?? "" }));
-    byId("step-now").textContent = running.map((each) => stepOf(drawn[each.program], each.action)?.step ?? each.action).join(" › ");
+    byId("step-now").textContent = running.map((each) => stepOf(ofUse(drawn, each), each.action)?.step ?? each.action).join(" › ");
     steps?.show(running);
     targets?.show(frame.targets);
     world?.show(frame);

@@ -97,7 +97,7 @@ function makeRunning(data) {
 
 // How far a controller is from its target, or the signals that a condition compares.
 function valueOf(data, program, use, member, tick) {
-  const automaton = data.steps[program], compared = automaton.compared[member];
+  const automaton = ofUse(data.steps, { program, use }), compared = automaton.compared[member];
   if (compared) {
     return compared.map(([name, axis]) => {
       const values = data.arrays[`signal_${name}`];

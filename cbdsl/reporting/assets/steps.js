@@ -11,7 +11,17 @@ function stepOf(automaton, action) {
   return automaton?.steps.find((step) => step.action === action);
 }
 
-// Shows the programs that run, outer ones first; `drawn` has automata and pictures by program.
+function titleOf({ program, use = "" }) {
+  if (use === "" || use === program) return program;
+  return use.endsWith(`.${program}`) ? use : `${use} (${program})`;
+}
+
+// The data of one use of a program, or of its program if all uses are alike.
+function ofUse(data, each) {
+  return data[titleOf(each)] ?? data[each.program];
+}
+
+// Shows the programs that run, outer ones first; `drawn` has automata and pictures of uses.
 // A running program is { program, use, action, state, stuck, value }: `value` tells how far a member is.
 function makeSteps(parent, drawn) {
   const figures = new Map();
@@ -21,7 +31,7 @@ function makeSteps(parent, drawn) {
     const table = document.createElement("table"), picture = document.createElement("details");
     picture.open = !use;
     picture.append(Object.assign(document.createElement("summary"), { textContent: `steps of ${program}` }),
-      new DOMParser().parseFromString(drawn[program].svg, "image/svg+xml").documentElement);
+      new DOMParser().parseFromString(ofUse(drawn, { program, use }).svg, "image/svg+xml").documentElement);
     figure.append(caption, table, picture);
     figures.set(use, { figure, caption, table, picture, program });
     return figures.get(use);
@@ -44,9 +54,9 @@ function makeSteps(parent, drawn) {
   }
 
   function show(levels) {
-    const current = levels.filter((each) => drawn[each.program]);
+    const current = levels.filter((each) => ofUse(drawn, each));
     parent.replaceChildren(...current.map((running) => {
-      const known = figures.get(running.use), automaton = drawn[running.program];
+      const known = figures.get(running.use), automaton = ofUse(drawn, running);
       const shown = known?.program === running.program ? known : add(running), step = stepOf(automaton, running.action);
       shown.caption.textContent = `${running.use || running.program} › ${step ? step.step : running.action}`;
       shown.table.replaceChildren(...(step ? step.exits : []).map((exit) => exitRow(automaton, exit, running)));

@@ -66,10 +66,6 @@ function makeTimeline(data, seek) {
 }
 
 // Name of a program, and of its use if that differs.
-function titleOf({ program, use = "" }) {
-  if (use === "" || use === program) return program;
-  return use.endsWith(`.${program}`) ? use : `${use} (${program})`;
-}
 
 // One row for the actions of each use of a program and one for each letter of its state.
 function makeStrip(data, parent) {
@@ -90,7 +86,7 @@ function makeStrip(data, parent) {
     const actions = addRow(parent, use, `action program`), spans = [];
     for (const [index, each] of passed.entries()) {
       const begin = beginOf(each, passed[index - 1]);
-      const step = stepOf(data.steps[each.program], each.action)?.step ?? each.action;
+      const step = stepOf(ofUse(data.steps, each), each.action)?.step ?? each.action;
       actions.add(begin, each.time, step, `${each.words || each.action}: ${each.state} → ${each.next_state} at ${each.time.toFixed(2)} s`);
       spans.push([begin, each.time, each.state]);
       if (each.reward) actions.add(each.time, each.time, "★", `reward ${each.reward}`, "star");
@@ -98,7 +94,7 @@ function makeStrip(data, parent) {
     const last = passed[passed.length - 1];
     if (last.depth === 0) spans.push([last.time, 2 * end + 1, last.next_state]);
     rows.push(actions);
-    data.members[last.program].forEach((member, place) => {
+    ofUse(data.members, last).forEach((member, place) => {
       const own = addRow(parent, member, "member");
       for (const [from, to, letter] of runsOf(spans, place)) own.add(from, to, letter, `${member}: ${letter}`, `p-${letter}`);
       rows.push(own);

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from textwrap import shorten, wrap
 
+from cbdsl.program.transition import title_of
+from cbdsl.program.uses import of_use
 from cbdsl.reporting.automaton_text import AutomatonData
 from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
 
@@ -12,28 +14,32 @@ from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
 _WIDTH, _LINES, _OF_EXIT = 30, 6, 2
 
 
-def automaton_graph(
-    name: str, automata: Mapping[str, AutomatonData], *, is_alone: bool = False
-) -> Graph:
+def automaton_graph(name: str, automata: Mapping[str, AutomatonData], use: str = "") -> Graph:
     """Return the graph of a program; the programs that its steps run are graphs within its nodes.
 
     Args:
         name: Name of the program.
-        automata: Automata by name of the program, as by ``automata``.
-        is_alone: True without the graphs of other programs.
+        automata: Automata of the program and of those that it uses, as by ``automata``.
+        use: Names of the actions that lead to the program, parted by dots.
     """
-    automaton = automata[name]
-    inner = {
-        step["program"]: automaton_graph(step["program"], automata)
-        for step in automaton["steps"]
-        if step["program"] in automata and not is_alone
-    }
+    title = title_of(name, use)
+    key = title if title in automata else name
+    inner = {}
+    for step in automata[key]["steps"]:
+        below = f"{use}.{step['action']}" if use else step["action"]
+        if step["program"] and of_use(automata, step["program"], below) is not None:
+            inner[step["step"]] = automaton_graph(step["program"], automata, below)
+    return graph_of_steps(key, automata[key], inner)
+
+
+def graph_of_steps(title: str, automaton: AutomatonData, inner: Mapping[str, Graph]) -> Graph:
+    """Return the graph of an automaton, with graphs within its nodes by the names of steps."""
     edges = tuple(_edges(automaton))
-    steps = [_step(automaton, step, inner.get(step["program"])) for step in automaton["steps"]]
+    steps = [_step(automaton, step, inner.get(step["step"])) for step in automaton["steps"]]
     ends = {each.target for each in edges}.difference(step.key for step in steps)
     return Graph(
-        name=name,
-        title=name,
+        name=title,
+        title=title,
         nodes=(*steps, *(Vertex(end, Outline.END, (TextLine(end),)) for end in sorted(ends))),
         edges=edges,
         members=(),

@@ -10,6 +10,7 @@ from cbdsl.backends.staging.world_state import WorldState
 from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.program.edit import EditTaken
 from cbdsl.program.transition import Transition
+from cbdsl.program.uses import of_use
 from cbdsl.reporting.automaton_text import AutomatonData, automata, transition_text
 from cbdsl.reporting.live.breakpoints import Breakpoints
 from cbdsl.reporting.live.feed import Feed
@@ -110,7 +111,8 @@ class LiveView(EpisodeObserver):
         self._breakpoints.note_transition(transition, run)
         # A learner may choose other steps than the written policy.
         is_written = transition.depth or (run is not None and run.is_written)
-        automaton = self._automata.get(transition.program) if is_written else None
+        name, use = transition.program, transition.use
+        automaton = of_use(self._automata, name, use) if is_written else None
         content = {
             "program": transition.title,
             "depth": transition.depth,

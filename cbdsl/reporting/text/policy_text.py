@@ -7,11 +7,10 @@ from textwrap import wrap
 
 from cbdsl.diagnostics.counting import count
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.reporting.automaton_text import clauses
+from cbdsl.reporting.automaton_text import state_text
 from cbdsl.reporting.drawing.pictogram import LETTERS
 from cbdsl.reporting.drawing.policy_graph import ending, percent, title
 from cbdsl.reporting.drawing.policy_transitions import Arc, Decision, PolicyTransitions, decisions
-from cbdsl.types.state import ANY, Predicate
 
 #: Kinds of members that are no controllers: ``program`` or ``condition``.
 Kinds = Mapping[str, str]
@@ -52,18 +51,11 @@ def _policy(policy: PolicyDocument, graph: PolicyTransitions, kinds: Kinds) -> I
     yield from _table(_rows(decisions(policy)))
     yield "\nStates in words"
     for each in decisions(policy):
-        words = _state_words(policy.predicates, each.state, kinds)
+        words = state_text(policy.predicates, each.state, kinds)
         yield from _item(each.state, words, len(each.state) + 2)
     if graph.arcs:
         yield f"\nWhat follows, above {percent(graph.above)}"
         yield from _tree(graph)
-
-
-def _state_words(members: Sequence[str], state: str, kinds: Kinds) -> str:
-    """Return a state by the names of its active members: ``reach is at rest, touch is moving``."""
-    silent = (Predicate.INACTIVE, ANY)
-    active = {name: own for name, own in zip(members, state, strict=True) if own not in silent}
-    return clauses(active, kinds) or ("any" if ANY in state else "nothing is active")
 
 
 def _rows(known: Iterable[Decision]) -> Iterator[tuple[str, ...]]:

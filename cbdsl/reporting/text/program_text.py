@@ -10,7 +10,8 @@ from cbdsl.diagnostics.counting import count
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Reference, Relative
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
-from cbdsl.reporting.automaton_text import automaton_data, used_programs
+from cbdsl.program.uses import used_programs
+from cbdsl.reporting.automaton_text import automaton_data
 from cbdsl.types.casts import Chain
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource

@@ -151,10 +151,10 @@ class _Messages:
             (
                 each["time"],
                 title_of(each["program"], each.get("use", "")),
-                f"{each['state']} -> {each['next_state']}  {each['action']}"
+                f"{each['state']} -> {each['next_state']}  {each['words'] or each['action']}"
                 + (f"  reward {each['reward']}" if each["reward"] else ""),
             )
-            for each in self._summary["transitions"]
+            for each in self._recorded.transitions
         ]
         end = float(self._arrays["time"][-1]) if len(self._arrays["time"]) else 0.0
         for time, program, text in [*lines, (end, result["program"], result["ending"])]:

@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from cbdsl.api.program import ANY, Action, CheckedProgram, Predicate, closest_first, overlap
 from cbdsl.extend.command import UsageError
+from cbdsl.extend.export import member_kinds, state_text
 
 _RUN = {
     "run": "Name of one use of a program: the tree's ID.",
@@ -139,11 +140,12 @@ def _tree(use: _Use) -> Element:
     tree = Element("BehaviorTree", ID=use.name)
     outcome = SubElement(tree, "ReactiveFallback", name=program.name)
     for pattern in program.success:
-        _state(outcome, use, pattern, _initial(program, pattern))
+        _state(outcome, use, pattern, _initial(program, pattern), "succeed")
     going_on = SubElement(outcome, "ReactiveSequence", name="without success")
     for pattern in program.failure:
-        inverter = SubElement(going_on, "Inverter", name=f"failure {pattern}")
-        _state(inverter, use, pattern, _initial(program, pattern))
+        to = f"fail {program.reasons.get(pattern, '')}".rstrip()
+        inverter = SubElement(going_on, "Inverter", name=f"unless {to}")
+        _state(inverter, use, pattern, _initial(program, pattern), to)
     if program.reward_ends and _is_rewardable(program):
         going_on = SubElement(going_on, "ReactiveFallback", name="reward or policy")
         _leaf(going_on, "Rewarded", use)
@@ -171,7 +173,7 @@ def _add_policy(policy: Element, use: _Use) -> None:
         # Without possible reward, a program succeeds at rest if it has no further action.
         for place in range(len(program.members)):
             rest = ANY * place + Predicate.QUIESCENT + ANY * (len(program.members) - place - 1)
-            _state(policy, use, rest, patterns)
+            _state(policy, use, rest, patterns, "succeed")
 
 
 def _add_branch(policy: Element, use: _Use, action: Action, own: list[str]) -> None:
@@ -185,12 +187,14 @@ def _add_branch(policy: Element, use: _Use, action: Action, own: list[str]) -> N
     """
     patterns = list(closest_first(use.program.policy))
     branch = SubElement(policy, "ReactiveSequence", name=action.name)
-    any_of = SubElement(branch, "ReactiveFallback", name=", ".join(own)) if own[1:] else branch
+    words = " or ".join(_words(use.program, pattern) for pattern in own)
+    any_of = SubElement(branch, "ReactiveFallback", name=words) if own[1:] else branch
     for pattern in own:
         # The closest pattern applies. A state that also matches a closer one belongs to that
         # pattern's branch, and is excluded here.
         before = patterns[: patterns.index(pattern)]
-        _state(any_of, use, pattern, [each for each in before if overlap(each, pattern)])
+        closer = [each for each in before if overlap(each, pattern)]
+        _state(any_of, use, pattern, closer, use.program.steps.get(action.name, action.name))
     inner = use.used(action)
     if inner is None:
         idle = use.program.idle_time
@@ -234,11 +238,19 @@ def _has_rewarded_controllers(program: CheckedProgram) -> bool:
     return any(each.rewarded for own in compositions if own for each in own.primitives)
 
 
-def _state(parent: Element, use: _Use, pattern: str, unless: list[str]) -> None:
-    _leaf(parent, "StateMatches", use, pattern=pattern, unless=";".join(unless))
+def _words(program: CheckedProgram, pattern: str) -> str:
+    """Return a pattern in words, such as ``lift is at rest``."""
+    return state_text(program.members, pattern, member_kinds(program))
 
 
-def _leaf(parent: Element, name: str, use: _Use, **ports: str) -> None:
+def _state(parent: Element, use: _Use, pattern: str, unless: list[str], to: str = "") -> None:
+    words = _words(use.program, pattern)
+    leaf = _leaf(parent, "StateMatches", use, pattern=pattern, unless=";".join(unless))
+    # Editors of trees show this name; it is no port.
+    leaf.set("name", f"{to}, since {words}" if to else words)
+
+
+def _leaf(parent: Element, name: str, use: _Use, **ports: str) -> Element:
     values = ";".join(f"{key}={value}" for key, value in use.program.parameters.items())
     run = {"run": use.name, "program": use.program.name, "with": values}
-    SubElement(parent, name, {**run, **ports})
+    return SubElement(parent, name, {**run, **ports})

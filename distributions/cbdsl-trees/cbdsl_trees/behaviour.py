@@ -7,8 +7,9 @@ from collections.abc import Generator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from cbdsl import EpisodeResult, OpenRobot
+from cbdsl import EpisodeResult, OpenRobot, Transition
 from cbdsl.api.sensing import Tick
+from cbdsl.extend.export import automata, of_use, transition_text
 
 #: Status of a behaviour by the predicate of its program.
 STATUS = {"X": Status.INVALID, "-": Status.FAILURE, "0": Status.RUNNING, "1": Status.SUCCESS}
@@ -20,6 +21,9 @@ class ProgramBehaviour(Behaviour):
     Several programs share one body by ``OpenRobot.with_program``, opened with ``persistent=True``:
     each begins in the final state of robot and world of the previous one. They run one at a time: a
     new one interrupts the other. Two in a ``Parallel`` are an error; compose them in one program.
+
+    The feedback message is the last transition, such as ``pick: lift -> carry, since lift is at
+    rest``, and after the last tick the ending.
 
     Args:
         robot: Robot with the program to run.
@@ -33,6 +37,7 @@ class ProgramBehaviour(Behaviour):
     def __init__(self, robot: OpenRobot, name: str = "", *, seed: int = 0) -> None:
         super().__init__(name or robot.request.program.name)
         self._robot, self._seed = robot, seed
+        self._automata = automata(robot.request.program, is_short=False)
         self._ticks: Generator[Tick, None, EpisodeResult] | None = None
         self.result: EpisodeResult | None = None
 
@@ -43,7 +48,8 @@ class ProgramBehaviour(Behaviour):
             f"behaviour '{self.name}' has begun, and programs of one robot run one at a time; "
             "to run both at once, compose them in one program, as in 'a ◁ b'"
         )
-        self._ticks = self._robot.ticks(self._seed)
+        self.feedback_message = ""
+        self._ticks = self._robot.ticks(self._seed, on_transition=self._note)
 
     def update(self) -> Status:
         """Run one control tick.
@@ -60,7 +66,8 @@ class ProgramBehaviour(Behaviour):
             # The last tick ends the generator without a value, so that the runner has the final
             # predicate.
             predicate = self._robot.runner().predicate
-        self.feedback_message = self.result.ending if self.result and not self._ticks else ""
+        if self.result and not self._ticks:
+            self.feedback_message = self.result.ending
         # A program is idle (X), has ended without its aim (-), is on its way (0), or at its aim
         # (1).
         return STATUS[predicate]
@@ -71,6 +78,12 @@ class ProgramBehaviour(Behaviour):
         # interrupts it.
         if new_status is Status.INVALID:
             self._leave()
+
+    def _note(self, transition: Transition) -> None:
+        """Tell the last transition, in words if its program has steps."""
+        automaton = of_use(self._automata, transition.program, transition.use)
+        words = "" if automaton is None else transition_text(automaton, transition)
+        self.feedback_message = f"{transition.title}: {words or transition.action}"
 
     def _leave(self) -> None:
         if self._ticks is not None:

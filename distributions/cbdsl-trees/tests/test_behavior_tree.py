@@ -64,9 +64,20 @@ def test_tree_declares_all_leaves_with_their_ports(checked: Checked) -> None:
     for tree in root.findall("BehaviorTree"):
         for node in tree.iter():
             if node.tag not in builtin:
-                assert set(node.attrib) == ports[node.tag]
+                assert set(node.attrib) - {"name"} == ports[node.tag]
         # BehaviorTree.CPP forbids these in an ID.
         assert not set(str(tree.get("ID"))) & set(" <>&\"'/\\:*?|.")
+
+
+def test_conditions_of_a_tree_have_names_in_words(checked: Checked) -> None:
+    root = ElementTree.fromstring(behavior_tree(checked("pick_and_lift")))
+    conditions = list(root.iter("StateMatches"))
+    assert all(each.get("name") for each in conditions)
+    names = {each.get("pattern"): each.get("name") for each in conditions}
+    (tree,) = root.findall("BehaviorTree[@ID='pick_and_lift']")
+    (ending,) = [each for each in tree[0] if each.tag == "StateMatches"]
+    assert str(ending.get("name")).startswith("succeed, since ")
+    assert any(" is undefined" in str(each) for each in names.values())
 
 
 def test_parameters_and_outcomes_are_in_the_tree(checked: Checked) -> None:

@@ -43,6 +43,20 @@ def test_predicates_are_statuses(robot: cbdsl.OpenRobot) -> None:
     assert behaviour.feedback_message == behaviour.result.ending
 
 
+def test_feedback_tells_each_transition_in_words() -> None:
+    with cbdsl.open_robot("pick", backend="kinematic") as robot:
+        behaviour, told = ProgramBehaviour(robot, seed=11), []
+        for _ in range(3000):
+            behaviour.tick_once()
+            if behaviour.feedback_message not in told[-1:]:
+                told.append(behaviour.feedback_message)
+            if behaviour.status is not Status.RUNNING:
+                break
+    assert behaviour.result is not None
+    assert told[0] == "pick: grasp begins" and told[-1] == behaviour.result.ending
+    assert "pick: grasp -> hold, since grasp succeeded" in told
+
+
 def test_program_without_an_action_returns_failure() -> None:
     request = cbdsl.load("searchtrack")
     from dataclasses import replace

@@ -168,8 +168,8 @@ def with_ports_in_names(xml: str) -> str:
     for tree in root.findall("BehaviorTree"):
         for node in tree.iter():
             if node.tag in LEAVES:
-                assert set(node.attrib) == set(LEAVES[node.tag][1])
-                ports = json.dumps(dict(node.attrib))
+                ports = {key: own for key, own in node.attrib.items() if key != "name"}
+                assert set(ports) == set(LEAVES[node.tag][1])
                 node.attrib.clear()
-                node.set("name", ports)
+                node.set("name", json.dumps(ports))
     return ElementTree.tostring(root, encoding="unicode")

@@ -75,7 +75,7 @@ def _inner(history: History) -> Iterator[FailureCause]:
     """Yield the first end of a used program whose policy had no action for its state."""
     for before, after in pairwise(history.transitions):
         is_end = before["depth"] == after["depth"] + 1 and before["time"] == after["time"]
-        place = history.summary["members"][after["program"]]
+        place = history.recorded.members(after)
         name = before.get("use", "").rsplit(".", 1)[-1]
         if not is_end or name not in place or before["state"] == before["next_state"]:
             continue

@@ -179,7 +179,7 @@ class History:
         use = course.program.rstrip(".")
         mask: Mask = course.letters == "-"
         for each in self.transitions:
-            members = self.summary["members"][each["program"]]
+            members = self.recorded.members(each)
             if course.member in members and each.get("use", "") == use:
                 state = each["next_state"]
                 mask[self.tick(each["time"])] |= state[members.index(course.member)] == "-"

@@ -12,7 +12,7 @@ import pytest
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.reporting.automaton_text import automata
-from cbdsl.reporting.drawing.automaton_graph import automaton_graph
+from cbdsl.reporting.drawing.automaton_graph import automaton_graph, graph_of_steps
 from cbdsl.reporting.drawing.dot import dot
 from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
 from cbdsl.reporting.drawing.mermaid import mermaid
@@ -56,7 +56,7 @@ def test_graph_of_a_program_contains_its_steps_and_ends(
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_graph_of_a_program_has_one_edge_for_the_exits_between_two_steps(name: str) -> None:
     for program, data in automata(program_of(name)).items():
-        edges = automaton_graph(program, {program: data}).edges
+        edges = graph_of_steps(program, data, {}).edges
         ways = {(edge.source, edge.target) for edge in edges}
         assert len(ways) == len(edges)
         written = {

@@ -164,7 +164,7 @@ def _camera_info(head: Any, camera: Mapping[str, Any], width: int, height: int) 
 def _transitions(recorded: Recorded) -> Iterator[Stamped]:
     """Yield the transitions and the ending as lines of a log."""
     result, times = recorded.summary["result"], recorded.arrays["time"]
-    lines = [(row["time"], row["program"], _line(row)) for row in recorded.summary["transitions"]]
+    lines = [(row["time"], row["program"], _line(row)) for row in recorded.transitions]
     end = float(times[-1]) if len(times) else 0.0
     for time, program, text in [*lines, (end, result["program"], result["ending"])]:
         yield time, "/rosout", make(
@@ -175,4 +175,4 @@ def _transitions(recorded: Recorded) -> Iterator[Stamped]:
 
 def _line(row: Mapping[str, Any]) -> str:
     reward = f"  reward {row['reward']}" if row["reward"] else ""
-    return f"{row['state']} -> {row['next_state']}  {row['action']}{reward}"
+    return f"{row['state']} -> {row['next_state']}  {row['words'] or row['action']}{reward}"
