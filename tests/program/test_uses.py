@@ -1,4 +1,4 @@
-"""Data of uses: each use of a program finds its own, whatever arguments other uses have."""
+"""Data of uses: each use of a program has its own, also if another use has other arguments."""
 
 from __future__ import annotations
 

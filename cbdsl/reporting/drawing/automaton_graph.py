@@ -19,7 +19,7 @@ def automaton_graph(name: str, automata: Mapping[str, AutomatonData], use: str =
 
     Args:
         name: Name of the program.
-        automata: Automata of the program and of those that it uses, as by ``automata``.
+        automata: Automata of the program and of its used programs, as by ``automata``.
         use: Names of the actions that lead to the program, parted by dots.
     """
     title = title_of(name, use)

@@ -80,7 +80,7 @@ class ProgramBehaviour(Behaviour):
             self._leave()
 
     def _note(self, transition: Transition) -> None:
-        """Tell the last transition, in words if its program has steps."""
+        """Note a transition as the feedback message, in words if its action is a step."""
         automaton = of_use(self._automata, transition.program, transition.use)
         words = "" if automaton is None else transition_text(automaton, transition)
         self.feedback_message = f"{transition.title}: {words or transition.action}"
