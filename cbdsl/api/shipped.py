@@ -78,4 +78,6 @@ def shipped_program(
     """Load a shipped program with shipped documents alone; see ``cbdsl.load``."""
     from cbdsl.api.load import load
 
-    return load(name, stage=stage, policy=policy, schema=schema, values=values, folder=shipped())
+    return load(
+        name, stage=stage, policy=policy, schema=schema, values=values or {}, folder=shipped()
+    )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.api.requests.learn_request import LearnRequest
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.requests.load_request import LoadOptions
 from cbdsl.checking.rules.reward import check_rewarded
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.command_text import command_text
@@ -154,7 +154,7 @@ def learn(
     """
     place.require_suitable(live)
     values = read_assignments(trial.with_, robot=trial.robot)
-    run = read_request(str(request.program), trial.stage, None, values)
+    run = LoadOptions(stage=trial.stage, values=values).read(str(request.program))
     constants = {name: value for name, value in spelled.items() if value is not None}
     request = replace(request, program=run, constants={**request.constants, **constants})
     request.require_sound()

@@ -6,7 +6,7 @@ import time
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.requests.load_request import LoadOptions
 from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
@@ -42,10 +42,10 @@ def warm() -> None:
     with shown_on_failure(), termination_interrupts():
         _compile_potentials()
         for program in _PROGRAMS:
-            request = read_request(program, None, None, {}, clearance=_CLEARANCE)
+            request = LoadOptions(clearance=_CLEARANCE).read(program)
             _run(request, "kinematic", _TICKS)
         for engine in installed_engines():
-            _run(read_request(_ON_ENGINES, None, None, {}), engine, _TICKS_ON_ENGINES)
+            _run(LoadOptions().read(_ON_ENGINES), engine, _TICKS_ON_ENGINES)
     if reason := problem():
         raise UsageError(f"compiled code cannot be kept: {reason}")
     seconds = time.monotonic() - began

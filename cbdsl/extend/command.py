@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         given,
         verb,
     )
-    from cbdsl.api.requests.run_request import read_program, read_request
+    from cbdsl.api.requests.run_request import read_program
     from cbdsl.backends.engines import default_engine
     from cbdsl.backends.quiet import quiet_stderr
     from cbdsl.cli.arguments.assignments import read_assignments
@@ -79,7 +79,7 @@ __all__ = [
     "call_text", "command_text", "commands_of", "count", "declaration", "default_engine",
     "engine_of", "filled", "given", "grouped", "needing_simulation", "open_page", "page",
     "print_json", "print_line", "print_problem", "print_table", "quiet_stderr", "read_assignments",
-    "read_meta_catalog", "read_program", "read_request", "reason", "require_room",
+    "read_meta_catalog", "read_program", "reason", "require_room",
     "require_workers", "rows_of", "shown_on_failure", "simulation", "stack_command",
     "stop_requests", "termination_interrupts", "told_of_compilation", "verb", "write_page",
 ]  # fmt: skip

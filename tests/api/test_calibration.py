@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.api.load import load
 from cbdsl.api.reading.calibration import read_calibration
-from cbdsl.api.requests.run_request import read_request
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument, CalibrationOrigin
 from cbdsl.documents.robot import RobotDocument
@@ -45,7 +45,7 @@ def test_calibration_corrects_only_its_own_cameras(
 ) -> None:
     file = made(tmp_path)
     assert cb(monkeypatch, "validate", str(file)) == 0
-    request = read_request("reachtouch", "noisy_right", None, {}, calibration=str(file), body=3)
+    request = load("reachtouch", stage="noisy_right", calibration=str(file), body=3)
     correction = request.robot.cameras["left"].correction
     assert correction is not None and correction.rotation == (0.0, 0.0, 0.01)
     assert request.robot.cameras["right"].correction is None
@@ -72,7 +72,7 @@ def test_calibrations_of_other_bodies_are_refused(
     stage: str, body: int | None, told: str, tmp_path: Path
 ) -> None:
     with pytest.raises(UsageError, match=told):
-        read_request("reachtouch", stage, None, {}, calibration=str(made(tmp_path)), body=body)
+        load("reachtouch", stage=stage, calibration=str(made(tmp_path)), body=body)
 
 
 def test_a_calibration_of_another_robot_is_refused(

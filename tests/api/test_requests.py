@@ -12,29 +12,41 @@ import typer
 import cbdsl
 import cbdsl_calibration
 from cbdsl.api.requests.explored_actions import read_action
+from cbdsl.api.requests.load_request import LoadRequest
 from cbdsl.cli.main import build_app
 
 #: Command of each verb, and parameters of the command with the names of their fields.
 COMMANDS = {
+    "load": ("run", {}),
     "learn": ("learn", {}),
     "explore": ("explore", {}),
     "explore_pairs": ("explore", {"thing": "things", "programs": "program"}),
     "calibrate": ("calibrate", {}),
 }
 REQUESTS: dict[str, Any] = {
+    "load": LoadRequest,
     "learn": cbdsl.LearnRequest,
     "explore": cbdsl.ExploreRequest,
     "explore_pairs": cbdsl.ExplorePairsRequest,
     "calibrate": cbdsl_calibration.CalibrateRequest,
 }
 FUNCTIONS: dict[str, Any] = {
+    "load": cbdsl.load,
     "learn": cbdsl.learn,
     "explore": cbdsl.explore,
     "explore_pairs": cbdsl.explore_pairs,
     "calibrate": cbdsl_calibration.calibrate,
 }
 #: Inputs that only Python has, or that the command sets.
-NOT_OF_COMMANDS = {"number", "folder", "command", "on_episode", "on_action", "on_progress"}
+NOT_OF_COMMANDS = {
+    "number",
+    "folder",
+    "command",
+    "uncalibrated",
+    "on_episode",
+    "on_action",
+    "on_progress",
+}
 VERBS = pytest.mark.parametrize("verb", REQUESTS)
 
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import cbdsl
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.load import load
 from cbdsl.cli.episodes.simulation import simulation
 from cbdsl.kinematics.pose import Pose
 from cbdsl.program.transition import Transition
@@ -94,7 +94,7 @@ def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
         "to_arm": f"{taker}_arm", "to_hand": f"{taker}_hand",
         "side": f"{10 * side} cm", "turn": f"{-69.282 * side} deg", "away": f"{20 * side} cm",
     }  # fmt: skip
-    request = read_request("handover", None, None, values)
+    request = load("handover", values=values)
     with simulation(request, "bullet", cameras="ideal") as (backend, kinematics):
         truth = backend.truth
         runner = Runner(request.robot, kinematics, request.program, backend)
@@ -110,7 +110,7 @@ def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
 @pytest.mark.parametrize("arm", ["right", "left"])
 def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
     values = {"arm": f"{arm}_arm", "hand": f"{arm}_hand"}
-    request = read_request("put_down", "absent", None, values)
+    request = load("put_down", stage="absent", values=values)
     with simulation(request, "kinematic") as (backend, kinematics):
         result = Runner(request.robot, kinematics, request.program, backend).run(request.stage, 0)
     assert result.outcome == "failure"
@@ -125,7 +125,7 @@ def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
 def test_handover_takes_a_fallen_object_again() -> None:
     """Put the cube back onto the table while the hands come together."""
     pytest.importorskip("mujoco")
-    request = read_request("handover", None, None, {})
+    request = load("handover")
     with simulation(request, "mujoco", cameras="ideal") as (backend, kinematics):
         truth, fetched = backend.truth, []
 

@@ -51,7 +51,8 @@ def given(
         recorded: False if the result does not depend on it.
         option: Option of the command, unless commands share one for this input: ``kind``, its
             type; ``help``, a sentence if not the text; ``flag``, if it is not named like the
-            input, or ``-`` for an argument; ``group``, its heading; and settings such as ``min``.
+            input, or ``-`` for an argument; ``group``, its heading; ``completes``, the kind of
+            document whose names a shell completes; and settings such as ``min``.
     """
     metadata = {"text": text, "always": always, "recorded": recorded, "option": option}
     return field(

@@ -108,7 +108,7 @@ class ExploreRequest:
             UsageError: An item is unknown or unsuitable.
         """
         from cbdsl.api.requests.explored_actions import read_actions
-        from cbdsl.api.requests.run_request import read_request
+        from cbdsl.api.requests.load_request import LoadOptions
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.learning.catalogs.explorations import EXPLORATIONS
         from cbdsl.learning.constants import read_constants
@@ -125,7 +125,7 @@ class ExploreRequest:
         constants = EXPLORATIONS[self.algorithm].Constants
         return run, ExplorationTask(
             actions=explorable,
-            between=read_request(self.between, stage, None, {}, folder=self.folder).program,
+            between=LoadOptions(stage=stage, folder=self.folder).read(self.between).program,
             feature=self.feature,
             robot=run.robot,
             # Absolute paths remain valid in processes with other working folders.

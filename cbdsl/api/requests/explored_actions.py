@@ -154,7 +154,7 @@ def bound_action(
     text: ActionText, feature: str, stage: str, folder: Path | None = None
 ) -> tuple[RunRequest, Explorable]:
     """Return a program with its values, and the features of its model."""
-    from cbdsl.api.requests.run_request import read_request
+    from cbdsl.api.requests.load_request import LoadOptions
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.training.exploration.explorable import explorable
@@ -166,7 +166,8 @@ def bound_action(
     # A value for a parameter that a program does not declare would be an error.
     if "feature" in document.document.parameters:
         values.setdefault("feature", feature)
-    request = read_request(text.program, stage, None, values, folder=folder)
+    options = LoadOptions(stage=stage, values=values, folder=folder)
+    request = options.read(text.program)
     action = explorable(text.label, request.program, request.digest, _resources(request))
     if action is None:
         raise UsageError(

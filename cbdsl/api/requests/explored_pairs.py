@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from itertools import permutations
 from typing import TYPE_CHECKING
 
 from cbdsl.api.requests.explored_actions import read_action
 from cbdsl.api.requests.explored_things import ExploredThing, values_of
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.requests.load_request import LoadOptions
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.steps import compiled
@@ -52,7 +51,10 @@ def read_pairs(
             shows no pair.
     """
     text = read_action(program)
-    read = partial(read_request, text.program, stage, None, folder=folder)
+
+    def read(values: Mapping[str, str]) -> RunRequest:
+        return LoadOptions(stage=stage, values=values, folder=folder).read(text.program)
+
     requests: dict[str, RunRequest] = {}
     pairs: dict[str, ExplorablePair] = {}
     # Pairs are ordered: a ball on a box is another pair than a box on a ball.

@@ -136,11 +136,12 @@ class LearnRequest:
     @cached_property
     def run(self) -> RunRequest:
         """Program with its robot and its training stage, read and checked."""
-        from cbdsl.api.requests.run_request import RunRequest, read_request
+        from cbdsl.api.requests.load_request import LoadOptions
+        from cbdsl.api.requests.run_request import RunRequest
 
         if isinstance(self.program, RunRequest):
             return self.program
-        return read_request(str(self.program), None, None, {})
+        return LoadOptions().read(self.program)
 
     @property
     def algorithm(self) -> str:

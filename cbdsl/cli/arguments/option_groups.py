@@ -15,6 +15,7 @@ from typer.core import TyperCommand
 
 from cbdsl.api.requests.declaration import default_of
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.arguments.options import (
     BackendName,
     BodyNumber,
@@ -73,7 +74,7 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
         filled = {}
         for name, group in groups.items():
             words = {each.name: given.pop(each.name) for each in options[name]}
-            filled[name] = group(**read_request_options(words) if is_request(group) else words)
+            filled[name] = group(**read_request_options(words))
         command(**given, **filled)
 
     parameters = [
@@ -96,8 +97,11 @@ def _options(group: Any) -> Iterator[inspect.Parameter]:
     if is_request(group):
         yield from request_options(group)
         return
+    yield from request_options(group, heading(group))
     annotations = get_type_hints(group, include_extras=True)
     for field in fields(group):
+        if "text" in field.metadata:
+            continue
         default = default_of(field)
         default = inspect.Parameter.empty if default is MISSING else default
         kind, annotation = inspect.Parameter.KEYWORD_ONLY, annotations[field.name]
@@ -127,9 +131,16 @@ def is_request(group: Any) -> bool:
     return all("text" in each.metadata for each in fields(group))
 
 
-def request_options(request: Any) -> Iterator[inspect.Parameter]:
-    """Yield the options of a request as parameters of a command."""
+def request_options(request: Any, panel: str | None = None) -> Iterator[inspect.Parameter]:
+    """Yield the options of declared inputs as parameters of a command.
+
+    Args:
+        request: Request, or group with declared inputs.
+        panel: Heading of inputs that declare none.
+    """
     for each in fields(request):
+        if "text" not in each.metadata:
+            continue
         if "kind" not in each.metadata["option"] and each.name not in _SHARED:
             continue
         default = default_of(each)
@@ -138,7 +149,9 @@ def request_options(request: Any) -> Iterator[inspect.Parameter]:
         elif each.default_factory is not MISSING:
             default = []  # of assignments
         kind = inspect.Parameter.KEYWORD_ONLY
-        yield inspect.Parameter(each.name, kind, default=default, annotation=_annotation(each))
+        yield inspect.Parameter(
+            each.name, kind, default=default, annotation=_annotation(each, panel)
+        )
 
 
 def read_request_options(words: Mapping[str, Any]) -> dict[str, Any]:
@@ -154,15 +167,17 @@ def read_request_options(words: Mapping[str, Any]) -> dict[str, Any]:
     return inputs
 
 
-def _annotation(field: Field[Any]) -> Any:
+def _annotation(field: Field[Any], panel: str | None) -> Any:
     """Return the type of an input on the command line, with its option."""
     settings = dict(field.metadata["option"])
-    group = settings.pop("group", None)
+    group = settings.pop("group", panel)
     if "kind" not in settings:
         kind, option = get_args(_SHARED[field.name])
         option = copy(option)  # others have the same option in another group, or in none
     else:
         kind, flag = settings.pop("kind"), settings.pop("flag", "")
+        if kind_of_document := settings.pop("completes", ""):
+            settings["autocompletion"] = names_of(kind_of_document)
         help = settings.pop("help", field.metadata["text"].replace("``", ""))
         if flag == "-":
             option = typer.Argument(help=help, **settings)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.api.requests.run_request import read_request
-from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.completion import names_of
-from cbdsl.cli.arguments.options import BackendName, BodyNumber, Cameras, Policy, Rate, Robot, With
+from cbdsl.api.requests.load_request import LoadOptions
+from cbdsl.cli.arguments.options import BackendName, Cameras
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.nearest import suggestion
 
@@ -21,12 +19,6 @@ if TYPE_CHECKING:
     from cbdsl.documents.stage import StageDocument
 
 
-Stage = Annotated[
-    str | None,
-    typer.Option(
-        "--stage", help="Stage: file or name [the program's].", autocompletion=names_of("stage")
-    ),
-]
 Context = Annotated[
     str | None, typer.Option("--context", help="Context of the stage [drawn by share].")
 ]
@@ -40,24 +32,6 @@ Workers = Annotated[
         "--workers", min=1, help="Simulators: number of parallel processes, which tell endings."
     ),
 ]
-Schema = Annotated[
-    str | None,
-    typer.Option(
-        "--schema",
-        help="Schema that chooses the resources: file or name.",
-        autocompletion=names_of("schema"),
-    ),
-]
-Calibration = Annotated[
-    str | None,
-    typer.Option("--calibration", help="Calibration of the cameras: file or name [the robot's]."),
-]
-Clearance = Annotated[
-    str | None,
-    typer.Option(
-        "--clearance", help="Least distance between the robot's links: 2cm [the program's]."
-    ),
-]
 Watch = Annotated[
     bool,
     typer.Option(
@@ -68,37 +42,26 @@ Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunOptions:
+class RunOptions(LoadOptions):
     """Options of a run: program's inputs, episodes and robot."""
 
-    stage: Stage = None
     context: Context = None
     seed: Seed = 0
     episodes: Episodes = 1
     workers: Workers = 1
     backend: BackendName
     cameras: Cameras = None
-    rate: Rate = None
-    policy: Policy = None
-    schema: Schema = None
-    with_: With = field(default_factory=list)
-    robot: Robot = None
-    calibration: Calibration = None
-    body: BodyNumber = None
     gui: Gui = False
-    clearance: Clearance = None
     watch: Watch = False
 
     def require_exclusive(self) -> None:
-        """Refuse two policies, and edits of a schema.
+        """Refuse edits of a schema.
 
         Raises:
-            UsageError: The options name a policy and a schema, or a schema and edits.
+            UsageError: The options name a schema and edits.
         """
         if self.watch and self.schema is not None:
             raise UsageError("--watch takes up no edits under a schema: give --schema alone")
-        if self.policy is not None and self.schema is not None:
-            raise UsageError("a schema names its policy: give --policy or --schema, not both")
 
     def request(self, program: str, given: Mapping[Path, bytes] | None = None) -> RunRequest:
         """Return the request of a program, located, read and checked.
@@ -111,17 +74,7 @@ class RunOptions:
             DiagnosticsError: A document has errors.
             UsageError: An option is unknown or unsuitable.
         """
-        request = read_request(
-            program,
-            self.stage,
-            self.policy,
-            read_assignments(self.with_, robot=self.robot),
-            schema=self.schema,
-            calibration=self.calibration,
-            body=self.body,
-            clearance=self.clearance,
-            given=given,
-        ).at_rate(self.rate)
+        request = self.read(program, given)
         _require_context(request.stage, self.context)
         return request
 

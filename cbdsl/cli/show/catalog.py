@@ -10,7 +10,7 @@ import typer
 from cbdsl.api.reading.clean import require_clean
 from cbdsl.api.requests.explore_request import require_persistent
 from cbdsl.api.requests.explored_actions import recorded_actions
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.requests.load_request import LoadOptions
 from cbdsl.cli.arguments.options import BackendName, Cameras, Seed
 from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.output.terminal import print_json
@@ -113,7 +113,7 @@ def _predict(
 
     request, actions = recorded_actions(catalog, stage)
     require_persistent(request.stage)
-    between = read_request("let_go", stage, None, {})
+    between = LoadOptions(stage=stage).read("let_go")
     with simulation(request, backend, cameras=cameras) as (body, kinematics):
         runner = ActionRunner(
             request.robot,

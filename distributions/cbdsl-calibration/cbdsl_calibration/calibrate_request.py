@@ -104,17 +104,20 @@ class CalibrateRequest:
 
     def _run(self) -> RunRequest:
         """Return the request of the program that shows the ball, for an uncalibrated robot."""
+        from cbdsl.api.load import load
         from cbdsl.extend.backend import UsageError, read_robot
-        from cbdsl.extend.command import read_request
         from cbdsl_calibration.watching import require_sight_and_touch
 
         robot, _ = read_robot(self.robot)
         require_sight_and_touch(robot)
         # The errors to estimate are relative to the poses of the model. A calibration that the
         # robot already has would hide them.
-        stage = None if self.stage is None else str(self.stage)
-        run = read_request(
-            str(self.program), stage, None, self.values, body=self.body, uncalibrated=True
+        run = load(
+            self.program,
+            stage=self.stage,
+            values=self.values,
+            body=self.body,
+            uncalibrated=True,
         )
         if run.robot.name != robot.name:
             raise UsageError(

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.load import load
 from cbdsl.backends.cameras.camera_system import camera_errors
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.calibration import CalibrationDocument
@@ -65,7 +65,7 @@ def test_a_body_is_calibrated_by_its_own_hand(
     told = json.loads(capsys.readouterr().out)
     assert told["file"] == str(file) and (tmp_path / "body_7.svg").is_file()
     calibration = Library().read(file, CalibrationDocument).document
-    disturbance = read_request("show_ball", None, None, {}, body=7).stage.disturbance
+    disturbance = load("show_ball", body=7).stage.disturbance
     errors = camera_errors(calibration.cameras, disturbance, np.random.default_rng())
     for name, error in errors.items():
         camera = calibration.cameras[name]
@@ -95,7 +95,7 @@ def test_a_killed_calibration_goes_on(tmp_path: Path) -> None:
     subprocess.run([*command, str(file)], check=True, capture_output=True)
     assert not journal.exists()
     calibration = Library().read(file, CalibrationDocument).document
-    disturbance = read_request("show_ball", None, None, {}, body=7).stage.disturbance
+    disturbance = load("show_ball", body=7).stage.disturbance
     errors = camera_errors(calibration.cameras, disturbance, np.random.default_rng())
     for name, error in errors.items():
         off = np.subtract(calibration.cameras[name].position, error.position)

@@ -67,7 +67,7 @@ def permit(
     try:
         # The command finds names from the folder, and not from where the server was started.
         word = file if file.is_file() else program
-        robot = cbdsl.load(word, values=parameters, folder=folder).robot.name
+        robot = cbdsl.load(word, values=parameters or {}, folder=folder).robot.name
     except (cbdsl.DiagnosticsError, cbdsl.UsageError) as error:
         raise ToolError(f"{program}: {error}") from error
     if robot != hardware:

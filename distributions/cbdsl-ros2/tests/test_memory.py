@@ -12,8 +12,8 @@ import pytest
 
 pytest.importorskip("cyclonedds")
 
+from cbdsl.api.load import load
 from cbdsl.api.reading.robots import read_robot, read_stage
-from cbdsl.api.requests.run_request import read_request
 from cbdsl.backends.backend import embody
 from cbdsl.extend.driver import Command
 from cbdsl.kinematics.kinematics import Kinematics
@@ -115,7 +115,7 @@ def _allocated() -> int:
 
 
 def test_episodes_of_a_program_keep_no_memory() -> None:
-    request = read_request("reachtouch", None, None, {})
+    request = load("reachtouch")
     backend = embody("kinematic", request.robot, request.urdf, cameras="ideal")
     try:
         kinematics = Kinematics(request.robot, request.urdf)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from cbdsl import DiagnosticsError, UsageError, open_robot
 from cbdsl.api.documents import ProgramDocument, StageDocument, require_unlinked, write_text
 from cbdsl.api.shipped import shipped_folder
-from cbdsl.extend.command import read_assignments
 from cbdsl.extend.document import compose, is_of
 from cbdsl_why.structural_patches import (
     ALLOCATION,
@@ -88,8 +87,7 @@ def patched(
 
         fresh = [seed + later for later in _FRESH]
         kind = "" if diagnosis.cause is None else diagnosis.cause.kind
-        given = read_assignments(options.with_)
-        for patch in patches(request, kind, history.result["actions"], given):
+        for patch in patches(request, kind, history.result["actions"], options.values):
             try:
                 changed = options.request(
                     program, {patch.file: patch.text.encode("utf-8", "backslashreplace")}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.load import load
 from cbdsl.yaml_text.composer import compose
 from cbdsl_why.patches import patches
 from cbdsl_why.structural_patches import ALLOCATION, EXITS, PatchedText, changed_exits
@@ -87,7 +87,7 @@ def test_exits_to_an_end_come_first_and_then_missing_ones() -> None:
 
 
 def test_families_take_turns_and_the_world_changes_last() -> None:
-    made = patches(read_request("pick_and_lift", None, None, {}), "stated")
+    made = patches(load("pick_and_lift"), "stated")
     families = [each.family for each in made]
     assert families[0] == EXITS
     assert set(families[-3:]) <= {"mass", "friction"}

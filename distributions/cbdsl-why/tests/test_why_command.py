@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.load import load
 from cbdsl_why.patches import patches
 from tests.cli.arm_program import TEXT
 from tests.cli.test_main import cb
@@ -91,7 +91,7 @@ def test_why_offers_no_change_that_does_not_help(
 
 
 def test_patches_change_one_number_and_neither_goals_nor_tolerances(hasty: Path) -> None:
-    request = read_request(str(hasty), None, None, {})
+    request = load(str(hasty))
     made = patches(request, "time")
     assert made[0].keys == ("limits", "transition_time")
     assert len({each.text for each in made}) == len(made)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.load import load
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
@@ -28,7 +28,7 @@ def test_only_stages_of_the_same_robot_are_proposed(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own.yaml").write_text(PROGRAM.format(robot=robot, used=used), encoding="utf-8")
     with pytest.raises(UsageError, match="own names no stage") as error:
-        read_request("own.yaml", None, None, {})
+        load("own.yaml")
     proposed = str(error.value).partition("known: ")[2].rstrip(")").split(", ")
     library = Library()
     for name in library.names(StageDocument):

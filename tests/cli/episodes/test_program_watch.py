@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.api.requests.run_request import RunRequest, read_request
+from cbdsl.api.load import load
+from cbdsl.api.requests.run_request import RunRequest
 from cbdsl.cli.episodes.program_watch import ProgramWatch
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.edit import EditTaken
@@ -32,7 +33,7 @@ class Watched:
         )
 
     def read(self) -> RunRequest:
-        return read_request(str(self.file), None, None, {})
+        return load(str(self.file))
 
     def tell(self, text: str, findings: tuple[str, ...] = ()) -> None:
         self.reports.append((text, tuple(findings)))
