@@ -229,7 +229,7 @@ class Injection(NamedTuple):
     stage: str = ""
 
 
-_PICK, _TOUCH, _GRIP, _PANDA = "pick_and_lift", "reachtouch", "grip", "pick"
+_PICK, _TOUCH, _PANDA = "pick_and_lift", "reachtouch", "pick"
 _STAGE = "cube_on_bench"
 _STEPS = (
     "  reachtouch: {then: ease, failed: back_off}\n  ease: {then: grip}\n"
@@ -240,7 +240,6 @@ _SWAPPED = (
     "  reachtouch: {then: lift, failed: back_off}\n"
 )
 _RETRY, _AGAIN = "[back_off at rest: reachtouch]", "[back_off at rest: grip]"
-_AT = "    reference: stereo.$feature\n"
 _SEEN = "    reference: $eyes.$feature\n"
 _OFF = '    reference: "stereo.$feature + [0 cm, {} cm, 0 cm]"\n'
 _DOWN = "    reference: [180 deg, 0 deg, 0 deg]\n"
@@ -258,9 +257,9 @@ _BELOW = "  reach: orient ◁ approach ◁ posture\n"
 
 #: Injections with which explanations were developed.
 DEVELOPED = (
-    Injection("no_grasp", _PICK, {_TOUCH: [("2 cm, until: 1.5 rad", "2 cm, until: 0.4 rad")]}),
+    Injection("no_grasp", _PICK, {_TOUCH: [("2 cm, until: $hand.shut", "2 cm, until: 0.4 rad")]}),
     Injection("slip", _PICK, fault=InjectedSlip),
-    Injection("translation", _PICK, {_TOUCH: [(_AT, _OFF.format(14))]}),
+    Injection("translation", _PICK, {_TOUCH: [(_SEEN, _OFF.format(14))]}),
     Injection("rotation", _PICK, {_TOUCH: [(_DOWN, _TILTED)]}),
     Injection("wrong_order", _PICK, {_PICK: [(_STEPS, _SWAPPED), (_RETRY, _AGAIN)]}),
     Injection("never_seen", "reach", stage="absent"),
@@ -275,18 +274,18 @@ DEVELOPED = (
 
 #: Injections into programs that were not used for the development.
 JUDGED = (
-    Injection("no_grasp", _PANDA, {_GRIP: [("until: $hand.shut", "until: 30 mm")]}),
+    Injection("no_grasp", _PANDA, {_TOUCH: [("until: $hand.shut", "until: 30 mm")]}),
     Injection("slip", _PANDA, fault=InjectedSlip),
     Injection("slip", _PANDA, {_STAGE: [("mass: 100 g", "mass: 100 g, friction: 0.02")]}),
-    Injection("translation", _PANDA, {_GRIP: [(_SEEN, _OFF.format(12))]}),
-    Injection("rotation", _PANDA, {_GRIP: [(_DOWN, _TILTED)]}),
+    Injection("translation", _PANDA, {_TOUCH: [(_SEEN, _OFF.format(12))]}),
+    Injection("rotation", _PANDA, {_TOUCH: [(_DOWN, _TILTED)]}),
     Injection(
         "rotation",
         _SIDE,
         {_SIDE: [("    reference: stereo.$feature.on.$goal.beside.$arm\n", _DOWN)]},
     ),
     Injection(
-        "no_rotation", _PANDA, {_GRIP: [("posture ◁ orient ◁ approach", "posture ◁ approach")]}
+        "no_rotation", _PANDA, {_TOUCH: [("posture ◁ orient ◁ approach", "posture ◁ approach")]}
     ),
     Injection(
         "no_rotation",
@@ -334,12 +333,12 @@ JUDGED = (
             ]
         },
     ),
-    Injection("held", _PANDA, {_GRIP: [(_TOP, _BELOW)]}),
-    Injection("no_action", _PANDA, {_GRIP: [("  1X: touch\n", "")]}),
+    Injection("held", _PANDA, {_TOUCH: [(_TOP, _BELOW)]}),
+    Injection("no_action", _PANDA, {_TOUCH: [("  X10: reach ◁ touch\n", "")]}),
     Injection("time", _PANDA, {_PANDA: [("episode_time: 90 s", "episode_time: 3 s")]}),
     Injection("not_followed", _PANDA, fault=FrozenJoint),
     Injection("backend", _PANDA, fault=Halt),
-    Injection("", _PANDA, {_GRIP: [("rate: 5e-4, window: 0.5 s", "rate: 1e-15, window: 0.5 s")]}),
+    Injection("", _PANDA, {_TOUCH: [("rate: 5e-4, window: 0.5 s", "rate: 1e-15, window: 0.5 s")]}),
     Injection(
         "",
         _PANDA,
@@ -389,7 +388,8 @@ def verdicts(
     """
     with TemporaryDirectory() as folder:
         program = written(injection.edits, Path(folder), injection.program)
-        request = cbdsl.load(program, stage=injection.stage or None)
+        on = {"robot": "panda"} if injection.program == _PANDA else {}
+        request = cbdsl.load(program, stage=injection.stage or None, values=on)
         for seed in seeds:
             # A new backend for each episode: faults change it.
             with cbdsl.simulate(request, backend=backend, cameras="ideal") as world:

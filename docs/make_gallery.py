@@ -36,7 +36,7 @@ EXHIBITS = (
     Exhibit("press_and_slide", ("press_and_slide",)),
     Exhibit("hover_follow", ("hover_follow",)),
     Exhibit("find_the_other", ("find_the_other",)),
-    Exhibit("pick", ("pick",)),
+    Exhibit("pick", ("pick", "--robot", "panda")),
 )
 #: Options of every run.
 OPTIONS = ("--backend", "mujoco", "--seed", "1")

@@ -19,6 +19,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.types.allotment import CHANNEL, PROGRAM, WHOLE, Allotment, allotment
+from cbdsl.types.role import ROBOT
 
 # Each allocation is checked as a program of its own.
 _MOST = 500
@@ -37,6 +38,8 @@ def allocations(
     Raises:
         UsageError: The program has more allocations than can be checked.
     """
+    if session.library.read_as_written(path, ProgramDocument).document.roles:
+        examine_program(path, values or {}, session, Diagnostics())  # binds them
     document = session.library.read(path, ProgramDocument).document
     file = session.library.find(RobotDocument, document.robot, path)
     robot = session.body(file or UNKNOWN, Diagnostics())
@@ -52,8 +55,10 @@ def allocations(
         count *= len(choices)
     if count > _MOST:
         raise UsageError(f"{path}: {count} allocations are more than the {_MOST} that are checked")
+    on = {ROBOT: robot.document.name} if document.roles else {}
+    given = {**on, **(values or {})}
     own = [
-        _allocation(path, session, values or {}, dict(zip(groups, choice, strict=True)), robot)
+        _allocation(path, session, given, dict(zip(groups, choice, strict=True)), robot)
         for choice in itertools.product(*groups.values())
     ]
     examine = examiner(session)

@@ -25,6 +25,7 @@ from cbdsl.program.member_exchange import (
     signals_at_its_end,
 )
 from cbdsl.program.stand_in import used_names
+from cbdsl.types.role import ROBOT
 
 
 class OpenMember(NamedTuple):
@@ -121,15 +122,16 @@ class MemberExchange:
             document = self._library.read(file, ProgramDocument).document
         except DiagnosticsError:
             return
-        if document.robot != program.robot or document.roles:
+        if document.robot != program.robot and not document.roles:
             return
+        on = {ROBOT: program.robot} if document.roles else {}
         given = _given(program, member)
         shared = {key: given[key] for key in document.parameters if key in given}
         effectors = self._effectors(document.robot)
         seen = {key: value for key, value in shared.items() if value not in effectors}
         # A substitute keeps its own effectors if it fits with them. A transfer between hands, for
         # example, uses other effectors than the grasp that it replaces.
-        for values in (seen, shared):
+        for values in ({**on, **seen}, {**on, **shared}):
             key = name, tuple(values.items())
             if key not in self._checked:
                 diagnostics = Diagnostics()

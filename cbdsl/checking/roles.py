@@ -16,7 +16,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument, Use
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.types.relative import ANY_ROBOT, named, replaced, with_measures, with_parts
 from cbdsl.types.role import EYES, ROBOT, Role, role
@@ -30,7 +30,7 @@ def read_roles(document: ProgramDocument) -> dict[str, Role]:
     """Return the roles of a program that can be read and relate to earlier ones, by name."""
     roles: dict[str, Role] = {}
     for name, text in document.roles.items():
-        own = role(text)
+        own = role(text, roles)
         if own is not None and roles.keys() >= set(own.relations.values()):
             roles[name] = own
     return roles
@@ -42,8 +42,10 @@ def check_roles(loaded: Loaded[ProgramDocument], diagnostics: Diagnostics) -> No
     if source.holds("robot"):
         related = [(source.key("roles"), "the roles")]
         diagnostics.add("CB415", source.key("robot"), related=related, name=document.robot)
+    known = read_roles(document)
     for place, (name, text) in enumerate(document.roles.items()):
-        earlier, own, at = list(document.roles)[:place], role(text), source.place("roles", name)
+        earlier, at = list(document.roles)[:place], source.place("roles", name)
+        own = role(text, {each: known[each] for each in earlier if each in known})
         if own is None:
             problem = f"'{text}' is no kind of effector"
             diagnostics.add("CB413", at, name=name, problem=problem)
@@ -120,7 +122,7 @@ def _with_values(
         f"{role}.{key}": text
         for role, name in effectors.items()
         if name in known
-        for key, text in known[name].values.items()
+        for key, text in _texts(role, known[name]).items()
     }
 
     def on_the_robot(text: str) -> str | float:
@@ -148,6 +150,13 @@ def _with_values(
         return f"robot '{robot.document.name}' does not suit the program: {error}"
     except ValidationError as error:
         return _lacking(error, robot, effectors)
+
+
+def _texts(role: str, effector: Effector) -> dict[str, str]:
+    """Return the values of an effector, and the posture that it starts in as ``start``."""
+    start = effector.start
+    begins = {} if start is None or "start" in effector.postures else {"start": f"${role}.{start}"}
+    return begins | effector.values
 
 
 def _lacking(error: ValidationError, robot: CheckedRobot, effectors: Mapping[str, str]) -> str:

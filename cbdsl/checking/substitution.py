@@ -14,6 +14,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.correspondence import affordances, correspondence, in_place_of
 from cbdsl.types.allotment import PROGRAM, WHOLE, allotment
+from cbdsl.types.role import ROBOT
 
 Examine = Callable[[Path, Mapping[str, str], Diagnostics], Outcome[CheckedProgram]]
 """Check of a program with values of its parameters, which adds to the given diagnostics."""
@@ -104,12 +105,13 @@ def examined(
         other = session.library.read(file, ProgramDocument).document
     except DiagnosticsError:
         return UNKNOWN
-    if other.robot != document.robot or other.roles:
+    if other.robot != document.robot and not other.roles:
         return UNKNOWN
+    on = {ROBOT: document.robot} if other.roles else {}
     given = {**document.parameters, **values}
     shared = {key: given[key] for key in other.parameters if key in given}
     diagnostics = Diagnostics()
-    program = examine(file, shared, diagnostics)
+    program = examine(file, {**on, **shared}, diagnostics)
     return UNKNOWN if diagnostics.failed else program
 
 

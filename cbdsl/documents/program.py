@@ -23,6 +23,7 @@ from cbdsl.documents.document import (
     Duration,
     Extent,
     Length,
+    Lever,
     Name,
     Number,
     Positive,
@@ -48,9 +49,9 @@ class StandoffSection(Section):
 
     clearance: Length
     """Distance between the tip and the seen surface."""
-    least: Length
+    least: Lever
     """Minimum distance between the tip and the reference."""
-    most: Length
+    most: Lever
     """Maximum distance between the tip and the reference."""
 
 

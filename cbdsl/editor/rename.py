@@ -95,7 +95,7 @@ def _of_parameter(path: Path, lines: Sequence[str], name: str) -> Renaming | Non
         Occurrence(number, *match.span("name"))
         for number in sorted(set(roles.values()))
         for match in re.finditer(
-            rf"\b(?:on|than)\s+(?P<name>{re.escape(name)})\b", _code(lines[number])
+            rf"(?:\b(?:on|than)\s|:)\s*(?P<name>{re.escape(name)})\b", _code(lines[number])
         )
     ]
     key = re.search(rf"\b{re.escape(name)}(?=[\"']?\s*:)", lines[declared[name]])

@@ -20,6 +20,8 @@ from cbdsl.scaffold.start_contacts import Postures
 
 # Distances of a tip before a thing, in parts of the limb's length.
 _BEFORE = (0.02, 0.15)
+# Part of a hand's way by which an open one may be less open.
+_SLACK = 0.05
 # Rotation of a limb at its first joint for a posture beside the first posture, rad.
 _ASIDE = math.radians(30)
 _TIP = "  # The frame that has a position and an orientation; its offset is in the link's frame."
@@ -75,10 +77,13 @@ def values_lines(
     """Return the values of an arm or a hand for programs over roles, as lines."""
     if hand is not None:
         span, unit = hand.span, "m" if effector.joints[0].slides else "rad"
-        shut = f"{hand.postures['closed'][0]:.4g} {unit}"
+        shut, opened = hand.postures["closed"][0], hand.postures["open"][0]
+        slack = f"{_SLACK * abs(opened - shut):.2g} {unit}"
         return [
-            "  # Width between the open pads, force of each, and where nothing is between them.",
-            f"  values: {{span: {100 * span:.3g} cm, grip: 8 N, shut: {shut}}}",
+            "  # Width between the open pads, forces of each at a touch and a grasp, position with",
+            "  # nothing between, tolerance of an open hand, distance of tip and held object.",
+            f"  values: {{span: {100 * span:.3g} cm, touch: 2 N, grip: 8 N, "
+            f"shut: {shut:.4g} {unit}, slack: {slack}, nearest: 0 m, farthest: 0 m}}",
         ]
     if effector.tip is None or len(effector.joints) < PLACING:
         return []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from cbdsl.types.allotment import EFFECTOR, Allotment, allotment
@@ -40,12 +41,19 @@ class Role(NamedTuple):
         return {relation: name for relation, name in pairs if name}
 
 
-def role(text: str) -> Role | None:
-    """Read a role such as ``effector of force on arm``; ``None`` if it is not one."""
+def role(text: str, earlier: Mapping[str, Role]) -> Role | None:
+    """Read a role such as ``effector of force on arm``; ``None`` if it is not one.
+
+    Args:
+        text: Text of the role.
+        earlier: Earlier roles by name, which stand for their kinds: ``arm other than arm``.
+    """
     match = _ROLE.fullmatch(text.strip())
     if match is None:
         return None
     kind = " ".join(match["kind"].split())
+    if kind in earlier:
+        return Role(earlier[kind].wanted, match["on"] or "", match["other"] or "")
     wanted = Allotment(EYES, kind) if kind in (STEREO, STEREO_HEADING) else allotment(kind)
     if wanted is None or wanted.kind not in (EFFECTOR, EYES):
         return None

@@ -61,7 +61,7 @@ def test_slip_of_a_carried_object_is_measured_in_the_frame_of_the_hand(
 def test_every_program_and_policy_of_the_robot_takes_part() -> None:
     names = [part.name for part in engines._parts()]
     assert {"reachtouch", "transport_hand", "policy reachtouch", "policy searchtrack"} <= set(names)
-    assert not {"grip", "pick"} & set(names)
+    assert {"pick", "poise"} & set(names) == {"pick"}
 
 
 def test_parts_are_distinguished_by_policy_and_engine() -> None:

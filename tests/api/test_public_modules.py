@@ -81,7 +81,7 @@ def test_shipped_program_ignores_documents_in_the_working_folder(
     folder = Path(str(tmp_path))
     monkeypatch.chdir(folder)
     text = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
-    (folder / "searchtrack.yaml").write_text(text.replace("head.uniform", "hed"), "utf-8")
+    (folder / "searchtrack.yaml").write_text(text.replace("$eyes.uniform", "hed"), "utf-8")
     with pytest.raises(cbdsl.DiagnosticsError):
         cbdsl.load("searchtrack")
     request = shipped_program("searchtrack")

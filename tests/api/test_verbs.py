@@ -50,7 +50,7 @@ def test_checking_imports_no_simulator() -> None:
 def test_findings_of_several_documents_are_given_once(here: Path) -> None:
     text = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
     for name in ("one", "two"):
-        wrong = text.replace("name: searchtrack", f"name: {name}").replace("head.uniform", "hed")
+        wrong = text.replace("name: searchtrack", f"name: {name}").replace("$eyes.uniform", "hed")
         (here / f"{name}.yaml").write_text(wrong, encoding="utf-8")
     diagnostics = cbdsl.check("one.yaml", Path("two.yaml"), "one.yaml")
     assert [(each.code, each.place.file) for each in diagnostics] == [

@@ -49,14 +49,14 @@ def test_reachtouch_fits_each_arm_with_its_own_hand() -> None:
     for each in fitting[:2]:
         assert each.program is not None and not each.refusal
         assert {**each.program.parameters}.items() >= each.values.items()
-        assert each.choices == {"limb": each.values["arm"]}
+        assert each.choices == {"arm": each.values["arm"]}
 
 
 def test_unsuitable_allocation_has_a_reason() -> None:
     found = allocated(Library(ROOT).locate(ProgramDocument, "reachtouch"))
     reasons = {tuple(each.values.values()): each.refusal for each in found if each.refusal}
     assert reasons["left_arm", "right_hand"] == "'right_hand' is not mounted on 'left_arm'"
-    assert "position x 2" in reasons["arms", "hands"]
+    assert "robot 'dexter' states no value 'gap' of 'arms'" in reasons["arms", "hands"]
 
 
 def test_programs_are_listed_by_the_signal_of_their_reward() -> None:
@@ -91,9 +91,9 @@ def test_channels_are_all_those_of_the_robot(tmp_path: Path) -> None:
 
 def test_groups_are_replaced_independently(tmp_path: Path) -> None:
     program = (ROOT / "programs" / "reachtouch.yaml").read_text()
-    both = "resources:\n  what: {feature: heading channel}\n  limb: {"
+    both = "resources:\n  what: {feature: heading channel}\n  whole: {"
     path = tmp_path / "reachtouch.yaml"
-    path.write_text(program.replace("resources:\n  limb: {", both), encoding="utf-8")
+    path.write_text(program.replace("resources:\n  whole: {", both), encoding="utf-8")
     found = allocated(path)
     own = [each for each in found if "program" not in each.values]
     assert len([each for each in own if each.program]) == 35 * 2

@@ -71,7 +71,7 @@ def test_shared_controller_is_called_with_a_value_of_the_robot(tmp_path: Path) -
 def test_other_effector_differs_from_any_first_one(tmp_path: Path) -> None:
     rest = f"controllers: {{ready: {READY}, too: {READY.replace('$arm', '$second')}}}\n"
     rest += "actions: [ready, too]\n"
-    roles = "{arm: effector of position, second: effector of position other than arm}"
+    roles = "{arm: effector of position, second: arm other than arm}"
     path = program(tmp_path, roles, rest)
     for arm, second in (("left_arm", "right_arm"), ("right_arm", "left_arm")):
         checked = check_program(path, {"robot": "dexter", "arm": arm})

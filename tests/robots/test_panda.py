@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import cbdsl
 from cbdsl.backends.simulated_backend import simulate
 from cbdsl.checking.program import check_program
 from cbdsl.checking.stage.fitted_stage import fitted_stage
@@ -59,6 +60,15 @@ def test_a_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument)
     before = kinematics.frame("panda_hand").rotation
     kinematics.update(turned + np.eye(len(turned))[0] * 4 * np.pi)
     assert kinematics.frame("panda_hand").rotation == pytest.approx(before, abs=1e-12)
+
+
+def test_the_policy_of_reachtouch_closes_pads_on_a_box(panda: RobotDocument) -> None:
+    request = cbdsl.load("reachtouch", values={"robot": "panda"})
+    with cbdsl.simulate(request, backend="kinematic", cameras="ideal") as world:
+        # Pads inside of the ball around a box are not yet closed on air.
+        results = [world.robot.run(seed) for seed in (1, 2)]
+    assert [each.rewarded for each in results] == [True, True]
+    assert not any(state.startswith("X--") for each in results for state in each.predicates)
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.types.relative import is_relative
 from cbdsl.types.resource_type import ResourceType
 from cbdsl.types.unit import QuantityError, dimensions_of, read_quantity
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -44,10 +45,12 @@ def check_settings(
     }
     for keys, dimensions in allowed.items():
         path = (*steps, *keys)
-        if not source.holds(*path) or source.node(path).value == "rest":
+        given = source.node(path).value if source.holds(*path) else "rest"
+        # The type of the document checks a value in terms of a robot, once there is that robot.
+        if given == "rest" or is_relative(given):
             continue
         try:
-            read_quantity(source.node(path).value, dimensions)
+            read_quantity(given, dimensions)
         except QuantityError as error:
             diagnostics.add("CB506", source.place(*path), problem=str(error))
 

@@ -43,6 +43,5 @@ STANDOFF = ModifierType(
     purpose="the position of a tip",
     read=_read,
     fault=_fault,
-    positive=("most",),
-    not_negative=("clearance", "least"),
+    not_negative=("clearance", "least", "most"),
 )

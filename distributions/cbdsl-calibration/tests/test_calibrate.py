@@ -27,7 +27,6 @@ from tests.cli.test_main import cb
     [
         (("sixaxis",), "robot 'sixaxis' has no cameras to calibrate"),
         (("dexetr",), "did you mean 'dexter'"),
-        (("dexter", "--program", "grip"), "is for robot 'panda'"),
         (("dexter", "--stage", "noisy_right"), "other cameras in each episode; a body's number"),
         (("dexter", "--program", "posture"), "no parameter 'hand'"),
         (("dexter", "--out", "a-b.yaml"), "a calibration is <name>.yaml"),

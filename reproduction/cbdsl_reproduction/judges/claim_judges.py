@@ -270,12 +270,6 @@ def grasped(watch: ClaimWatch) -> str:
     return "" if most == 3 else f"{most} fingertips on the object"
 
 
-def gripped(watch: ClaimWatch) -> str:
-    """Judge that both pads of a gripper are on one object."""
-    most = max(watch.fingers(name, "hand") for name in watch.things)
-    return "" if most == 2 else f"{most} pads on the object"
-
-
 def between_hands(watch: ClaimWatch) -> str:
     """Judge that both hands are on one object."""
     for name in watch.things:
@@ -394,7 +388,6 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("impedance", "other_pairs", set_on, _SET),
     ProgramClaim("let_go", "large_on_table", untouched),
     ProgramClaim("notice", "something_new", looked_at, ("before_the_window", "elsewhere")),
-    ProgramClaim("grip", "cube_on_bench", gripped),
     ProgramClaim("pick", "cube_on_bench", put_down),
     ProgramClaim("pick_and_lift", "everyday_objects", raised),
     ProgramClaim("pick_and_place", "everyday_objects", Placed(0.03, is_released=False)),

@@ -40,7 +40,7 @@ class _Cube(Watch):
 JUDGE = Judge(
     "gripper",
     "a cube that a Panda picks up and places",
-    (JudgedCondition("cube", "pick", {"placed": Aim(0.95)}),),
+    (JudgedCondition("cube", "pick", {"placed": Aim(0.95)}, values={"robot": "panda"}),),
     watched(_Cube),
     episodes=100,
 )

@@ -98,8 +98,18 @@ def test_unsuitable_knowledge_keeps_the_program_from_running(
 @pytest.mark.parametrize(
     ("file", "old", "new", "differs"),
     [
-        ("programs/reachtouch.yaml", "clearance: 12 mm", "clearance: 13 mm", True),
-        ("programs/reachtouch.yaml", "clearance: 12 mm", "clearance: 1.2 cm", False),
+        (
+            "programs/reachtouch.yaml",
+            "rate: 5e-4, window: 0.5 s",
+            "rate: 5e-4, window: 0.6 s",
+            True,
+        ),
+        (
+            "programs/reachtouch.yaml",
+            "rate: 5e-4, window: 0.5 s",
+            "rate: 5e-4, window: 500 ms",
+            False,
+        ),
         ("programs/reachtouch.yaml", "  XXX: reach ◁ touch", "  XXX: searchtrack", False),
         ("programs/reachtouch.yaml", "stage: table_right", "stage: absent", False),
         ("programs/reachtouch.yaml", "Look for an object", "Look for something", False),
@@ -132,12 +142,12 @@ def test_the_policies_that_run_inside_of_a_program_have_digests_of_their_own(fol
     assert list(before) == ["learned"]
     change(folder / "knowledge/models/looks.yaml", "0.25", "0.3")
     assert program_digest(program, Library(folder)).policies != before
-    change(folder / "programs/reachtouch.yaml", "policy: learned, ", "")
+    change(folder / "programs/reachtouch.yaml", "    policy: learned\n", "")
     assert program_digest(program, Library(folder)).policies == {}
 
 
 def test_the_policy_of_a_used_program_matters_where_no_other_takes_its_place(folder: Path) -> None:
-    change(folder / "programs/reachtouch.yaml", "policy: learned, ", "")
+    change(folder / "programs/reachtouch.yaml", "    policy: learned\n", "")
     before = digest(folder)
     change(folder / "programs/searchtrack.yaml", '"*1": search', '"*1": track')
     assert digest(folder) != before

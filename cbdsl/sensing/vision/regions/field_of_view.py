@@ -19,9 +19,9 @@ Ball = tuple[Floats, float]
 
 # An occluded object lies at most this far behind the hand that occludes it, m.
 _BEHIND_HAND = 0.1
-# Fingertips that touch an object are about a radius from its middle. Within this share of the
-# radius, and without contact, they have closed on air.
-_INSIDE = 0.75
+# The surfaces of fingertips that touch a box are at least 0.58 radii from its middle, at its faces.
+# Within this share of the radius, and without contact, they have closed on air.
+_INSIDE = 0.5
 
 
 class FieldOfView:
@@ -42,7 +42,9 @@ class FieldOfView:
             effector.joints[-1] for effector in robot.effectors.values() if effector.tip is not None
         )
         tips = [each.tip.link for each in robot.effectors.values() if each.tip is not None]
-        fingers = [[cell.link for cell in hand.values()] for hand in robot.load_cells.values()]
+        hands = robot.load_cells.values()
+        fingers = [[cell.link for cell in hand.values()] for hand in hands]
+        self._tips = [max(cell.radius for cell in hand.values()) for hand in hands]
         self._hand_links = (*tips, *(link for hand in fingers for link in hand))
         ends = np.cumsum([len(self._wrists) + len(tips), *map(len, fingers)]).tolist()
         #: Slices of the occluding points that are a hand's fingertips, by hand.
@@ -126,8 +128,8 @@ class FieldOfView:
         if self._hands is None:
             return False
         return any(
-            _are_within(self._hands[fingers], position, _INSIDE * radius)
-            for fingers in self._fingers
+            _are_within(self._hands[fingers], position, _INSIDE * radius + tip)
+            for fingers, tip in zip(self._fingers, self._tips, strict=True)
         )
 
 
