@@ -18,11 +18,12 @@ from cbdsl.language.parser import LookAlikeError, parse
 from cbdsl.language.scanner import CompositionError
 from cbdsl.robot.instance_names import (
     InstanceName,
+    MarkName,
     instance_names,
     is_meant_as_instance,
     parse_instance,
+    parse_mark,
 )
-from cbdsl.robot.mark_names import MarkName, parse_mark
 from cbdsl.robot.pair_names import PairName, parse_pair
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.loaded import Loaded

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from cbdsl.backends.staging.links import link_surfaces, pairs_without_contact
     from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
     from cbdsl.backends.staging.shape import SolidShape
-    from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
+    from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, solid_row
     from cbdsl.backends.staging.world_state import Part
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.context import PlaceSection
@@ -59,15 +59,15 @@ if TYPE_CHECKING:
 __all__ = [
     "AMBIENT", "DIRECTION", "FARTHEST", "GRAVITY", "NEAREST", "POSITION", "ROOM", "ROTATION",
     "WIDTH", "AttendedBackend", "Backend", "BackendError", "BackendFactory", "Cell", "Coupling",
-    "Engine", "Extent", "Floats", "Image", "Joints", "Kinematics", "LinkMass", "Loads",
-    "MeshError", "MeshForm", "Moments", "MujocoSection", "Observation", "Part", "Person",
-    "PlaceSection", "Pose", "Region", "Regions", "ResumableBackend", "RobotDocument", "Rows",
-    "SceneObject", "SimulatedBackend", "SolidShape", "StageDocument", "StagingBackend",
-    "Surface", "UrdfJoint", "UrdfModel", "UrdfShape", "UsageError", "View", "choose_context",
-    "compiled_once", "connected_regions", "displacement", "draw_start", "embody", "find_mesh",
-    "link_masses", "link_surfaces", "load_kept", "make_cameras", "pairs_without_contact",
-    "physics_steps", "placed", "read_fitting", "read_mesh_file", "read_robot", "read_stage",
-    "read_urdf", "require_meshes", "with_control_rate",
+    "Engine", "Extent", "Floats", "Image", "Joints", "Kinematics", "LinkMass", "Loads", "MeshError",
+    "MeshForm", "Moments", "MujocoSection", "Observation", "Part", "Person", "PlaceSection", "Pose",
+    "Region", "Regions", "ResumableBackend", "RobotDocument", "Rows", "SceneObject",
+    "SimulatedBackend", "SolidShape", "StageDocument", "StagingBackend", "Surface", "UrdfJoint",
+    "UrdfModel", "UrdfShape", "UsageError", "View", "choose_context", "compiled_once",
+    "connected_regions", "displacement", "draw_start", "embody", "find_mesh", "link_masses",
+    "link_surfaces", "load_kept", "make_cameras", "pairs_without_contact", "physics_steps",
+    "read_fitting", "read_mesh_file", "read_robot", "read_stage", "read_urdf", "require_meshes",
+    "solid_row", "with_control_rate",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

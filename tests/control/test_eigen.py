@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from cbdsl.control.eigen import diagonalize
+from cbdsl.control.second_order import diagonalize
 from cbdsl.numeric.arrays import Floats
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.checking.session import Session
-from cbdsl.checking.stand_ins import stand_ins_of
+from cbdsl.cli.show.substitutes import stand_ins_of
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.stand_in import stand_ins

@@ -14,7 +14,7 @@ from cbdsl.backends.staging.engine import ROOM, Engine
 from cbdsl.backends.staging.load_cells import ContactPoint, sum_wrenches
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
+from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, solid_row
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.pose import Pose
 from cbdsl.kinematics.quaternion import rotations
@@ -142,7 +142,7 @@ class BulletEngine(Engine):
 
     def _gather(self) -> None:
         """Allocate a new array for the solids after a change of the objects."""
-        solids = [placed(item.shape, item.pose) for item in self.objects.values()]
+        solids = [solid_row(item.shape, item.pose) for item in self.objects.values()]
         self._solids = np.array(solids).reshape(len(solids), WIDTH)
 
     def remove(self, name: str) -> None:

@@ -107,7 +107,7 @@ class _Scene:
         self.patches = np.array([surface.patch for surface in self.surfaces]).reshape(count, 4)
         self.shapes = np.zeros((cameras, count, SHAPE))
 
-    def placed(self) -> Floats:
+    def all_solids(self) -> Floats:
         """Return all solids that objects consist of at their current poses, shape (m, 16)."""
         return self._walls.at(self.solids)
 
@@ -180,7 +180,7 @@ class IdealCameras(CameraSystem):
         vision = self._robot.vision
         names = tuple(named_colors(vision.channels))
         scene = _Scene(self._engine, vision.channels, names, len(self._rows))
-        self._project(scene, scene.placed(), self._misplaced(self._engine.placements))
+        self._project(scene, scene.all_solids(), self._misplaced(self._engine.placements))
         seen = {
             channel
             for shapes in scene.shapes.tolist()
@@ -217,7 +217,7 @@ class IdealCameras(CameraSystem):
             scene = self._scene = _Scene(
                 engine, self._robot.vision.channels, self._channels, len(self._rows)
             )
-        placed, cameras = scene.placed(), self._misplaced(placements)
+        placed, cameras = scene.all_solids(), self._misplaced(placements)
         seen = self._project(scene, placed, cameras)
         # The call also stores the positions for the next image. So it precedes the return without
         # regions.

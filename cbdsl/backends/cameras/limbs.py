@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.backends.staging.solids import WIDTH, placed
+from cbdsl.backends.staging.solids import WIDTH, solid_row
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
@@ -36,7 +36,7 @@ class Limbs:
             for solid in solid_shapes(body.collisions)
         ]
         self.links = tuple(link for link, _ in parts)
-        self.parts: Floats = np.array([placed(*solid) for _, solid in parts])
+        self.parts: Floats = np.array([solid_row(*solid) for _, solid in parts])
         self.parts = self.parts.reshape(len(parts), WIDTH)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
-from cbdsl.backends.staging.solids import POSITION, ROTATION, placed
+from cbdsl.backends.staging.solids import POSITION, ROTATION, solid_row
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 
@@ -27,7 +27,7 @@ class KinematicObject:
 
     def __init__(self, item: SceneObject) -> None:
         self.name, self.shape, self.surface, self.mass, pose = item
-        self.solid = placed(self.shape, pose)
+        self.solid = solid_row(self.shape, pose)
         self.velocity: Floats = np.zeros(3)
         self.rolling: Floats = np.zeros(3)
         self.gripped = self.resting = False

@@ -22,7 +22,7 @@ WIDTH = 16
 HALVES, POSITION, ROTATION = slice(1, 4), slice(4, 7), slice(7, 16)
 
 
-def placed(shape: SolidShape, pose: Pose) -> Floats:
+def solid_row(shape: SolidShape, pose: Pose) -> Floats:
     """Return the row of a shape at a pose, shape (16,)."""
     solid = np.empty(WIDTH)
     solid[0], solid[HALVES] = _NUMBERS[shape.kind], shape.halves
@@ -47,7 +47,7 @@ class Walls:
             return
         walls = [(index, wall) for index, shape in enumerate(shapes) for wall in shape.solids]
         self.owners = np.array([index for index, _ in walls], np.intp)
-        rows = [placed(wall.shape, Pose.at(wall.origin)) for _, wall in walls]
+        rows = [solid_row(wall.shape, Pose.at(wall.origin)) for _, wall in walls]
         self._own = np.array(rows).reshape(len(walls), WIDTH)
 
     def at(self, solids: Floats) -> Floats:

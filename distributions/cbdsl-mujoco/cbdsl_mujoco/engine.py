@@ -21,7 +21,7 @@ from cbdsl.extend.backend import (
     RobotDocument,
     SceneObject,
     UrdfModel,
-    placed,
+    solid_row,
 )
 from cbdsl_mujoco.first_posture import FirstPosture
 from cbdsl_mujoco.load_cell_sensors import (
@@ -173,7 +173,7 @@ class MujocoEngine(Engine):
 
     def _gather(self) -> None:
         """Allocate a new array for the solids after a change of the objects."""
-        solids = [placed(item.shape, item.pose) for item in self.objects.values()]
+        solids = [solid_row(item.shape, item.pose) for item in self.objects.values()]
         self._solids = np.array(solids).reshape(len(solids), WIDTH)
         self._moved = True
 

@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.backends.staging.solids import WIDTH, placed
+from cbdsl.backends.staging.solids import WIDTH, solid_row
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
@@ -49,7 +49,7 @@ def test_silhouette_contains_exactly_the_rays_that_hit_the_shape(name: str) -> N
         mask = np.zeros(len(lines), dtype=bool)
         for ahead in np.arange(0.48, 0.72, 0.004):
             mask |= inside(shape, (ahead * lines - pose.position) @ pose.rotation)
-        area, column, row, clipped, *moments = seen(placed(shape, pose))
+        area, column, row, clipped, *moments = seen(solid_row(shape, pose))
         assert area == pytest.approx(mask.sum(), rel=0.03)
         assert column == pytest.approx(columns.ravel()[mask].mean(), abs=0.7)
         assert row == pytest.approx(rows.ravel()[mask].mean(), abs=0.7)
@@ -74,7 +74,7 @@ def test_a_patch_is_seen_from_its_side_alone_and_round(axis: float, side: float,
         rotation = Pose.turned(np.array([0.0, 0.0, 1.0]), turn + 0.5 * math.pi).rotation
         rotation = rotation if facing else np.diag([-1.0, -1.0, 1.0]) @ rotation
         assert (rotation @ outward)[0] == pytest.approx(-1 if facing else 1)
-        solid = placed(shape, Pose(np.array([distance, 0.0, 0.0]), rotation))
+        solid = solid_row(shape, Pose(np.array([distance, 0.0, 0.0]), rotation))
         row = seen(solid, samples=200, patch=(axis, side, height - 1e-9, radius))
         wanted = math.pi * (LENS[0] * radius / (distance - height)) ** 2 if facing else 0.0
         assert row[0] == pytest.approx(wanted, rel=0.05)
@@ -84,22 +84,24 @@ def test_silhouette_at_the_border_is_clipped() -> None:
     border = LENS[1] / 2 / LENS[0]
     ball = SolidShape.ball(0.05)
     for aside, whole in ((border - 0.07, True), (border - 0.03, False), (border, False)):
-        row = seen(placed(ball, Pose(np.array([1.0, aside, 0.0]), AHEAD)))
+        row = seen(solid_row(ball, Pose(np.array([1.0, aside, 0.0]), AHEAD)))
         assert row[3] != whole
         assert row[0] > 0
-    assert not seen(placed(ball, Pose(np.array([1.0, border + 0.1, 0.0]), AHEAD))).any()
-    assert not seen(placed(ball, Pose(np.array([-1.0, 0.0, 0.0]), AHEAD))).any()
+    assert not seen(solid_row(ball, Pose(np.array([1.0, border + 0.1, 0.0]), AHEAD))).any()
+    assert not seen(solid_row(ball, Pose(np.array([-1.0, 0.0, 0.0]), AHEAD))).any()
 
 
 def test_object_in_front_occludes_and_object_behind_does_not() -> None:
-    ball = placed(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
+    ball = solid_row(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
     board = SolidShape("box", (0.001, 0.1, 0.1))
     free = seen(ball)
-    half = seen(ball, placed(board, Pose(np.array([0.8, 0.1, 0.0]), AHEAD)))
+    half = seen(ball, solid_row(board, Pose(np.array([0.8, 0.1, 0.0]), AHEAD)))
     assert half[0] == pytest.approx(free[0] / 2, rel=0.02)
     assert half[1] > free[1] + 5, "its right half is left, and columns count to the right"
-    assert not seen(ball, placed(board, Pose(np.array([0.8, 0.0, 0.0]), AHEAD))).any()
-    assert seen(ball, placed(board, Pose(np.array([1.2, 0.0, 0.0]), AHEAD))) == pytest.approx(free)
+    assert not seen(ball, solid_row(board, Pose(np.array([0.8, 0.0, 0.0]), AHEAD))).any()
+    assert seen(ball, solid_row(board, Pose(np.array([1.2, 0.0, 0.0]), AHEAD))) == pytest.approx(
+        free
+    )
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -112,16 +114,16 @@ def test_support_occludes_an_object_only_from_below(name: str) -> None:
         down = -side * tilted.T[2]
         board = SolidShape("box", (0.3, 0.3, 0.01))
         below = place.position + (shape.half_height + 0.01) * down
-        solid = placed(shape, Pose(place.position, tilted))
+        solid = solid_row(shape, Pose(place.position, tilted))
         free = seen(solid)
-        row = seen(solid, placed(board, Pose(below, tilted)))
+        row = seen(solid, solid_row(board, Pose(below, tilted)))
         above = float((HERE - below) @ -down) > 0.01
         assert (row == free).all() if above else row[0] < 0.5 * free[0]
 
 
 def test_silhouette_of_a_ball_has_its_angular_size() -> None:
-    area = seen(placed(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[
-        0
-    ]
+    area = seen(
+        solid_row(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24
+    )[0]
     tangent = math.tan(math.asin(0.05))
     assert area == pytest.approx(math.pi * (LENS[0] * tangent) ** 2, rel=0.01)

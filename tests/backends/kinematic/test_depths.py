@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.kinematic.depths import depths
-from cbdsl.backends.staging.solids import placed
+from cbdsl.backends.staging.solids import solid_row
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
@@ -29,11 +29,11 @@ def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str)
     for _ in range(50):
         pose = Pose(rng.normal(size=3), turned(rng))
         point = pose.position + rng.uniform(-0.2, 0.2, size=3)
-        found = one(placed(shape, pose), point)
+        found = one(solid_row(shape, pose), point)
         depth, normal = found[0], -found[4:]
         assert np.linalg.norm(normal) == pytest.approx(1)
         assert found[1:4] == pytest.approx(point)
-        thick = one(placed(shape, pose), point, radius=0.01)
+        thick = one(solid_row(shape, pose), point, radius=0.01)
         assert thick[0] == pytest.approx(depth + 0.01)
         assert thick[1:4] == pytest.approx(point - 0.01 * normal)
         surface = point + depth * normal

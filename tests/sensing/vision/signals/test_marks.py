@@ -12,7 +12,7 @@ import pytest
 import cbdsl
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.robot.mark_names import parse_mark
+from cbdsl.robot.instance_names import parse_mark
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.channels import Moments, Region
 from cbdsl.sensing.observation import Observation
