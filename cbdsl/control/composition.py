@@ -6,9 +6,9 @@ rows above, and D the displacement composed so far. With P = I - B B', the level
     d = (J P)^# (v - J D)
 
 by the singular values of J P, damped where one is small. Then B grows by its directions. A level
-that cannot achieve v takes Newton's step instead (``second_order``). A joint that d would push past
-a limit joins B at its limit, and the level is solved again. A step that exceeds a joint's speed is
-shortened as a whole. A row whose bound d would pass joins B as well (``row_bounds``).
+that cannot achieve v takes Newton's step instead (``second_order``). D grows by d up to the first
+limit of a joint or bound of a row (``row_bounds``) that d would pass. The joint or row joins B
+there, and the level is solved again. A step that exceeds a joint's speed is shortened as a whole.
 
 Assumption: rows change by little in a tick. Those of its middle are extrapolated from three ticks.
 Source: Eq 3.23 to 3.26 of the dissertation, with a basis in place of I - J^# J, which leaks where
@@ -24,10 +24,10 @@ import numpy as np
 
 from cbdsl.control.basis import Basis, empty_basis, pin_joints, resist, span
 from cbdsl.control.half_tick import write_middle
-from cbdsl.control.joint_bounds import displacement_bounds, keep_within, lock, shorten
+from cbdsl.control.joint_bounds import displacement_bounds, go, keep_within, shorten
 from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
-from cbdsl.control.row_bounds import go_to_bound, hold_row, leave_idle
+from cbdsl.control.row_bounds import hold_row, leave_idle, next_bound
 from cbdsl.control.second_order import Way, add_curvature, balance, least_resisted, newton_step
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
@@ -104,10 +104,10 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
                         curvature, basis.directions, taken, values, along, law.guards, way
                     )
             shorten(change, law, bounds)
-            if lock(change, law, bounds):
+            reached, share = next_bound(levels, end, rows, total, change)
+            if go(change, share, law, bounds):
                 taken = pin_joints(law.locked, basis, taken)
                 continue
-            reached = go_to_bound(levels, end, rows, total, change)
             if reached < 0:
                 delicate |= singular
                 taken = _withhold(level, levels, resisted, basis, below, least_resisted(way))

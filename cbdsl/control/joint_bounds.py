@@ -11,6 +11,9 @@ from cbdsl.numeric.compiled import compiled
 # Bounds are this much wider, rad, so that rounding never counts as passing one.
 _SLACK = 1e-12
 
+# Largest share of a change that does not count as all of it.
+_MOST = 1.0 - 1e-15
+
 
 @compiled
 def displacement_bounds(positions: Floats, law: LawArrays) -> Floats:
@@ -57,13 +60,33 @@ def shorten(change: Floats, law: LawArrays, bounds: Floats) -> None:
 
 
 @compiled
-def lock(change: Floats, law: LawArrays, bounds: Floats) -> bool:
-    """Lock joints that would pass a bound, at their position or on their way back inside."""
-    total, locked = law.displacement, law.locked
-    passes = False
+def go(change: Floats, share: float, law: LawArrays, bounds: Floats) -> bool:
+    """Add a share of a change, at most up to the first bound of a joint, and lock joints there.
+
+    A joint beyond a limit is locked on its way back inside.
+
+    Returns:
+        True if a joint was locked.
+    """
+    total, locks = law.displacement, False
     for joint in range(len(change)):
-        target = total[joint] + change[joint]
-        if target < bounds[0, joint] or target > bounds[1, joint]:
-            passes = locked[joint] = True
+        room = _room(total[joint], change[joint], bounds[:, joint])
+        if room < 1.0 and room <= share:
+            share, locks = room, True
+    for joint in range(len(change)):
+        stops = locks and _room(total[joint], change[joint], bounds[:, joint]) <= share
+        total[joint] += share * change[joint]
+        if stops:
+            law.locked[joint] = True
             total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
-    return passes
+    return locks
+
+
+@compiled
+def _room(before: float, change: float, bounds: Floats) -> float:
+    """Return the share of a joint's change that is within its bounds; 1 only if all of it is."""
+    after = before + change
+    if bounds[0] <= after <= bounds[1]:
+        return 1.0
+    bound = bounds[1] if after > bounds[1] else bounds[0]
+    return min(max((bound - before) / change, 0.0), _MOST) if change != 0.0 else 0.0

@@ -122,9 +122,9 @@ class Law:
     Each level acts only through joint displacements that do not affect higher levels. An
     orthonormal basis of the rows above makes the projection exact, for all ranks. Steps are damped
     near singularities, the basis never. If a level would make the sum too long, its own step is
-    shortened as a whole. A joint that a level would push past a limit is fixed for that level and
-    those below it. The level is then solved again with the other joints, so that a limit takes
-    nothing from higher levels. A joint beyond its limit is moved back by at most
+    shortened as a whole. A joint that a level would push past a limit is taken there and fixed for
+    that level and those below it. The level is then solved again with the other joints, so that a
+    limit takes nothing from higher levels. A joint beyond its limit is moved back by at most
     ``settings.joint_step`` a tick, while the other joints compensate.
 
     If a level cannot achieve its displacement, its step is Newton's, by the Hessians of its

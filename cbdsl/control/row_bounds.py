@@ -15,7 +15,7 @@ from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
-from cbdsl.numeric.vector import add, copy, dot, fill
+from cbdsl.numeric.vector import copy, dot, fill
 
 # Part of a way beyond a bound that is rounding.
 _ROUNDING = 1e-12
@@ -48,8 +48,12 @@ def leave_idle(
 
 
 @compiled
-def go_to_bound(levels: LevelArrays, end: int, rows: Floats, total: Floats, change: Floats) -> int:
-    """Add a change up to the first bound on its way; return its row, -1 without a bound.
+def next_bound(
+    levels: LevelArrays, end: int, rows: Floats, total: Floats, change: Floats
+) -> tuple[int, float]:
+    """Return the row of the first bound that a change meets, and the share of the change up to it.
+
+    They are -1 and 1 without such a bound.
 
     Args:
         levels: Levels.
@@ -66,8 +70,7 @@ def go_to_bound(levels: LevelArrays, end: int, rows: Floats, total: Floats, chan
             way = side * dot(rows[row], change)
             if way > left + _ROUNDING and left < share * way:
                 first, share = row, left / way
-    add(total, change, share)
-    return first
+    return first, share
 
 
 @compiled
