@@ -73,9 +73,9 @@ def test_shaken_object_is_tracked_and_resting_one_is_not(engine: str) -> None:
 
 @pytest.mark.slow
 def test_a_resting_head_sees_motion_in_pixels_and_no_other() -> None:
-    # With these seeds, motion is found before the transitions are used up.
-    episodes = [*run_motion_episodes(SHAKEN, [1, 4], "bullet", None)]
+    # With one of these seeds, none of the ten looks is at the object.
+    episodes = [*run_motion_episodes(SHAKEN, range(1, 7), "bullet", None)]
     assert all(each.off < math.radians(5) for each in episodes if each.posture)
-    assert sum(bool(each.posture) for each in episodes) == 2
+    assert sum(bool(each.posture) for each in episodes) == 5
     (nothing,) = run_motion_episodes(NOTHING, [2], "bullet", None)
     assert nothing.posture == ()

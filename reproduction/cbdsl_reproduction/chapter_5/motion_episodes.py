@@ -16,8 +16,9 @@ from cbdsl_reproduction.trial_digest import trial_digest
 PROGRAM, STAGE, EFFECTOR = "watch_for_motion", "shaken", "head"
 #: Contexts of the stage: an object is shaken, or nothing moves.
 SHAKEN, NOTHING = "shaken", "nothing"
-# Ten looks have two transitions each: on the way, and there. Tracking takes three more.
-_TRANSITIONS = 23
+# The first look begins with a transition. Ten looks have two each: on the way, and there. Tracking
+# takes three more.
+_TRANSITIONS = 24
 
 
 class MotionEpisode(NamedTuple):
