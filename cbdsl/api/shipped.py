@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.documents.document import Document
+from cbdsl.documents.kinds import kind_of
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.library import Library, shipped
 
@@ -23,8 +24,7 @@ def shipped_folder() -> Path:
 
 def shipped_names(kind: type[Document]) -> list[str]:
     """Return the names of the shipped documents of a kind, in order."""
-    # With the shipped folder as its first one, the library ignores the working folder.
-    return Library(shipped()).names(kind)
+    return sorted(path.stem for path in (shipped() / kind_of(kind).folder).glob("*.yaml"))
 
 
 def shipped_document(kind: type[D], name: str) -> D:

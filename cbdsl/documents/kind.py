@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cbdsl.documents.document import Document
@@ -27,6 +28,7 @@ class Kind(NamedTuple):
         resources: ``module:function`` of (alias, loaded, body, diagnostics) that returns the
             resources which a program gains by naming a document of this kind below ``models``;
             unknown if the document does not fit the robot. Empty for other kinds.
+        brought: Folder of documents that the package of the kind brings along, searched last.
     """
 
     model: type[Document]
@@ -37,3 +39,4 @@ class Kind(NamedTuple):
     stand_ins: Mapping[str, Any] = {}
     entries: tuple[Entry, ...] = ()
     resources: str = ""
+    brought: Path | None = None

@@ -9,6 +9,9 @@ A kind may also be one of models, which programs name below ``models``. Its reco
 place of a function of (alias, Loaded, CheckedRobot, Diagnostics) that returns the resources which
 such a program gains. The source of a resource is a ``ModelSignal``, with the place of a function
 (ModelSignal, Signals) -> Read, as of ``cbdsl.extend.source``.
+
+A kind may bring documents along, such as programs that use it: its record names a folder with
+``programs``, ``knowledge`` and the like, which are found by name after all others.
 """
 
 from __future__ import annotations

@@ -280,6 +280,8 @@ class Library:
             yield from beside.absolute().parents
         yield self.here
         yield shipped()
+        # Package metadata is read only for a name that is nowhere else.
+        yield from (kind.brought for kind in KINDS.all().values() if kind.brought)
 
 
 def is_of(kind: type[Document], path: Path) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
@@ -179,4 +180,5 @@ NETWORK = Kind(
     stand_ins={"robot": "unknown"},
     entries=(UNREADABLE, EXTERNAL, REFUSED, NOT_FINITE, TENSOR, SIGNAL, NUMBERS, TIMING),
     resources="cbdsl_onnx.checker:resources",
+    brought=Path(__file__).parent / "shipped",
 )

@@ -18,13 +18,14 @@ from networks import linear
 import cbdsl
 from cbdsl_onnx.model_file import load
 
-EXAMPLE = Path(__file__).parents[1] / "examples" / "reach_by_network"
+EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLE = EXAMPLES / "reach_by_network"
 SEED = 1_002
 
 
 @pytest.fixture(scope="module")
 def train() -> ModuleType:
-    spec = spec_from_file_location("train", EXAMPLE / "train.py")
+    spec = spec_from_file_location("clone", EXAMPLES / "clone.py")
     assert spec is not None and spec.loader is not None
     module = module_from_spec(spec)
     spec.loader.exec_module(module)

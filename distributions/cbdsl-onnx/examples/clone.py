@@ -1,7 +1,7 @@
 """Behaviour cloning of recordings, by numpy alone, into a small network in the ONNX format.
 
-    cb run reach_by_hand.yaml --backend kinematic --cameras ideal --episodes 60 --record tapes
-    python train.py tapes
+    cb run push_by_hand --backend mujoco --cameras ideal --episodes 150 --record tapes
+    python clone.py push_thing tapes .
 
 The network maps the tip and the seen object to the next velocities of the tip. It is a perceptron
 with two hidden layers, trained by Adam on the squared error of normalised velocities.
@@ -14,6 +14,7 @@ import sys
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import yaml  # noqa: TID251 - the example stands alone
@@ -23,28 +24,68 @@ from cbdsl_onnx import wire
 
 Array = NDArray[np.float64]
 
-NAME, SKILL = "reach_above", "reach"
-OBSERVED, MOVED = ("right_arm.position", "stereo.sat_10"), "right_arm.position"
+MOVED = "right_arm.position"
 STEPS, HIDDEN, UPDATES, BATCH, RATE = 4, 48, 8000, 128, 2e-3
+#: Speed below which the skill waits between two of its ways, m/s.
+WAITING = 0.05
 
 
-def demonstrations(folder: Path) -> Iterator[tuple[Array, Array, float]]:
-    """Yield observations (n, 6), velocities (n, 3), m/s, and the duration of a tick, s.
+class Skill(NamedTuple):
+    """Skill of a recorded program.
 
-    Only successful episodes count, and in them the ticks of the skill.
+    Attributes:
+        program: Program that demonstrates it.
+        actions: Names of its actions, in order.
+        seen: Signal of the object.
+        description: Sentence of the network's document.
+        period: Time between two actions, s, at least that of a tick.
+    """
+
+    program: str
+    actions: tuple[str, ...]
+    seen: str
+    description: str
+    period: float = 0.05
+
+
+SKILLS = {
+    "reach_above": Skill(
+        "reach_by_hand",
+        ("reach",),
+        "stereo.sat_10",
+        "Velocities of the palm to a point above a seen object.",
+    ),
+    "push_thing": Skill(
+        "push_by_hand",
+        ("level ◁ above", "level ◁ behind", "level ◁ straight ◁ push"),
+        "stereo.red",
+        "Velocities of the palm down behind a seen thing, and to the left until it is at a line.",
+    ),
+}
+
+
+def demonstrations(skill: Skill, folder: Path) -> Iterator[tuple[Array, Array]]:
+    """Yield observations (n, 6), and velocities (n, 3), m/s, once a period.
+
+    Only successful episodes count, and in them the ticks of the skill. Where it waits between two
+    of its ways, they are left out, since a network without memory would learn to wait there.
     """
     for file in sorted(folder.glob("*.json")):
         summary = json.loads(file.read_text("utf-8"))
         if not summary["result"]["succeeded"]:
             continue
         passed = [row for row in summary["transitions"] if row["depth"] == 0]
-        begin = next(row["time"] for row in passed if row["action"] == SKILL)
+        begin = next(row["time"] for row in passed if row["action"] == skill.actions[0])
+        last = next(row["time"] for row in passed if row["action"] == skill.actions[-1])
+        later = (r["time"] for r in passed if r["time"] > last and r["action"] != skill.actions[-1])
         arrays = np.load(file.with_suffix(".npz"))
-        ticks = arrays["time"] >= begin
-        period = float(np.diff(arrays["time"]).mean())
-        rows = np.hstack([arrays[f"signal_{name}"][ticks] for name in OBSERVED])
-        velocities = np.diff(arrays[f"signal_{MOVED}"][ticks], axis=0) / period
-        yield rows[:-1], velocities, period
+        time = arrays["time"]
+        chosen = np.flatnonzero((time >= begin) & (time < next(later, np.inf)))
+        chosen = chosen[:: max(round(skill.period / float(np.diff(time).mean())), 1)]
+        rows = np.hstack([arrays[f"signal_{name}"][chosen] for name in (MOVED, skill.seen)])
+        velocities = np.diff(rows[:, :3], axis=0) / np.diff(time[chosen])[:, None]
+        acts = (np.linalg.norm(velocities, axis=1) > WAITING) | (time[chosen[:-1]] >= last)
+        yield rows[:-1][acts], velocities[acts]
 
 
 def chunks(velocities: Array) -> Array:
@@ -106,26 +147,27 @@ def written(layers: list[Array]) -> bytes:
     return wire.model(nodes, constants, [inputs], [wire.value_info("y", (1, len(layers[-1])))])
 
 
-def main(tapes: Path, target: Path) -> None:
+def main(name: str, tapes: Path, target: Path) -> None:
     """Train on recordings; write the model and its document into a folder."""
-    episodes = list(demonstrations(tapes))
-    x = np.concatenate([rows for rows, _, _ in episodes])
-    y = np.concatenate([chunks(velocities) for _, velocities, _ in episodes])
+    skill = SKILLS[name]
+    episodes = list(demonstrations(skill, tapes))
+    x = np.concatenate([rows for rows, _ in episodes])
+    y = np.concatenate([chunks(velocities) for _, velocities in episodes])
     x_mean, x_deviation = x.mean(axis=0), x.std(axis=0) + 1e-3
     y_deviation = y.std(axis=(0, 1)) + 1e-3
     normalised = ((x - x_mean) / x_deviation, (y / y_deviation).reshape(len(y), -1))
     layers = train(*normalised, np.random.default_rng(0))
-    (target / f"{NAME}.onnx").write_bytes(written(layers))
+    (target / f"{name}.onnx").write_bytes(written(layers))
     document = {
         "cbdsl": 1,
         "kind": "network",
-        "name": NAME,
-        "description": "Velocities of the palm to a point above a seen object.",
+        "name": name,
+        "description": skill.description,
         "robot": "dexter",
-        "file": f"{NAME}.onnx",
+        "file": f"{name}.onnx",
         "inputs": {
             "x": {
-                "of": list(OBSERVED),
+                "of": [MOVED, skill.seen],
                 "mean": [round(float(each), 4) for each in x_mean],
                 "deviation": [round(float(each), 4) for each in x_deviation],
             }
@@ -138,16 +180,16 @@ def main(tapes: Path, target: Path) -> None:
             "steps": STEPS,
             "execute": 2,
         },
-        "period": f"{1e3 * episodes[0][2]:.0f} ms",
+        "period": f"{1e3 * skill.period:.0f} ms",
         "card": {
-            "data": f"{len(episodes)} simulated episodes of reach_by_hand, {len(x)} ticks",
-            "method": "behaviour cloning by train.py, seed 0",
+            "data": f"{len(episodes)} simulated episodes of {skill.program}, {len(x)} observations",
+            "method": f"behaviour cloning by clone.py {name}, seed 0",
             "licence": "MIT",
         },
     }
     text = yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=100)
-    (target / f"{NAME}.yaml").write_text(text, "utf-8")
+    (target / f"{name}.yaml").write_text(text, "utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]) if len(sys.argv) > 2 else Path(__file__).parent)
+    main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]))
