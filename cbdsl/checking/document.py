@@ -63,16 +63,14 @@ def check_program(
 ) -> None:
     """Check a program with the session's values of its parameters."""
     from cbdsl.checking.program import examine_program  # robots and stages do without
-    from cbdsl.checking.rules.guards import check_fixtures
-    from cbdsl.checking.rules.stage_colors import check_colors
+    from cbdsl.checking.rules.stage_colors import check_on_stage
 
     known = {*loaded.document.assignable, *([ROBOT] if loaded.document.roles else ())}
     values = {key: value for key, value in session.values.items() if key in known}
     for robot in _robots(loaded, values, session):
         program = examine_program(loaded.path, {**values, **robot}, session, diagnostics)
         if not isinstance(program, Unknown) and not diagnostics.failed:
-            check_colors(loaded, program, session, diagnostics)
-            check_fixtures(loaded, program, session, diagnostics)
+            check_on_stage(loaded, program, session, diagnostics)
 
 
 def _robots(

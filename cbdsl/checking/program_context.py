@@ -9,6 +9,7 @@ from cbdsl.checking.lookup.missing_resources import MissingResources
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.sound_controllers import SoundControllers
+from cbdsl.checking.start_clearance import is_measured
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
@@ -25,7 +26,10 @@ from cbdsl.robot.instance_names import (
     parse_mark,
 )
 from cbdsl.robot.pair_names import PairName, parse_pair
-from cbdsl.types.resource import Resource
+from cbdsl.robot.resources import CLEARANCE, FROM
+from cbdsl.types.resource import LinkDistance, Origin, Resource
+from cbdsl.types.resource_type import LENGTH
+from cbdsl.types.source_record import is_located
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
@@ -126,6 +130,10 @@ class ProgramContext:
         resource = self.body.resources.get(name)
         if resource is not None or self._is_unknown(name):
             return resource or UNKNOWN
+        own, _, rest = name.partition(".")
+        of, _, other = rest.partition(".")
+        if own in self.body.document.all_effectors and (rest == CLEARANCE or of == FROM):
+            return self._distance(name, own, other, steps)
         pair = parse_pair(name, self.body.resources)
         if pair is not None:
             return self._pair(name, pair, steps)
@@ -137,6 +145,30 @@ class ProgramContext:
             self._missing.report(text, name, steps)
             return UNKNOWN
         return self._instance(name, instance, steps)
+
+    def _distance(self, name: str, own: str, other: str, steps: Steps) -> Outcome[Resource]:
+        """Return the distance between the links of an effector and others, or all others."""
+        body, place, features = self.body, self.source.place(*steps), list[Resource]()
+        if "." in other:
+            seen = self.resource(other, steps)
+            if isinstance(seen, Unknown) or body.model is None:
+                return UNKNOWN
+            features.append(seen)
+        if body.model is None:
+            return UNKNOWN
+        is_effector = other in body.document.all_effectors
+        links = body.moved_links(own) + (body.moved_links(other) if is_effector else [])
+        is_known = is_effector or features or other in body.document.clearance.keep_out
+        is_fixture = bool(other) and not is_known
+        source = LinkDistance(own, other, tuple(links), tuple(features), is_fixture)
+        hint = "; a distance is one from another effector, or a place, fixture or seen object"
+        if all(is_located(each.source) for each in features):
+            hint = f"; no link of '{own}' has a shape that can come near it"
+            if is_measured(body.document, body.model, source):
+                origin = Origin.TRIANGULATION if features else Origin.KINEMATICS
+                return Resource(name, LENGTH, origin, source)
+        self.add("CB501", place, name=name, robot=body.document.name, hint=hint, names=[], given="")
+        return UNKNOWN
 
     def _pair(self, name: str, pair: PairName, steps: Steps) -> Outcome[Resource]:
         """Return the resource of a pair of channels, unless both are the same."""

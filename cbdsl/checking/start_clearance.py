@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfError, UrdfModel
+from cbdsl.types.resource import LinkDistance
 
 
 def unkept_clearance(robot: RobotDocument, model: UrdfModel, least: float) -> str:
@@ -25,3 +26,15 @@ def unkept_clearance(robot: RobotDocument, model: UrdfModel, least: float) -> st
         return too_near_at_start(robot, model, least)
     except (UrdfError, KeyError):
         return ""  # faults of the document, which have findings of their own
+
+
+def is_measured(robot: RobotDocument, model: UrdfModel, source: LinkDistance) -> bool:
+    """Return whether links have the shapes for a distance, which a run checks again."""
+    try:
+        from cbdsl.kinematics.nearest_links import NearestLinks  # imports numpy
+    except ImportError:
+        return True
+    try:
+        return NearestLinks(robot, model, source).are_known
+    except (UrdfError, KeyError):
+        return True  # faults of the document, which have findings of their own

@@ -409,6 +409,11 @@ class RobotDocument(Document):
         is_group = effector in self.groups and effector not in self.effectors
         return self.groups[effector].members if is_group else (effector,)
 
+    @property
+    def all_effectors(self) -> tuple[str, ...]:
+        """Names of the effectors and groups."""
+        return (*self.effectors, *self.groups)
+
     def joints(self, effector: str) -> tuple[str, ...]:
         """Return the actuated joints of an effector, or of all members of a group in order."""
         return tuple(j for name in self.members(effector) for j in self.effectors[name].joints)

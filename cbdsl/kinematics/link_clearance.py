@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -28,6 +28,8 @@ from cbdsl.robot.urdf import UrdfModel, is_named
 
 # Number of sampled postures, and largest turn of unlimited joints in them, rad.
 _SAMPLES, _TURN = 100, math.pi
+#: Place of an object that is not seen, beyond every robot's reach, m.
+FAR = HullSection(points=((0.0, 0.0, 1e3),))
 
 
 class NearLinks(NamedTuple):
@@ -58,6 +60,7 @@ class LinkClearance:
         near: Distance beyond it at which pairs are near, m.
         share: Share of the way to it by which a pair may approach in a tick.
         margin: Distance beyond it at which approaching ends, m.
+        counts: Predicate of the pairs that count, by the names of both links; all by default.
 
     Raises:
         UrdfError: If a value of a link is not a number.
@@ -71,6 +74,7 @@ class LinkClearance:
         near: float = 0.0,
         share: float = 0.0,
         margin: float = 0.0,
+        counts: Callable[[str, str], bool] = lambda one, other: True,
     ) -> None:
         joints = Joints(robot)
         self._robot, self._model, self.joints = robot, model, joints
@@ -84,7 +88,8 @@ class LinkClearance:
         records, offsets = _records(
             [each for _, each in own], [tree.rows.get(at, 0) for at in owners]
         )
-        apart = set(self._movable_pairs(list(dict.fromkeys(owners))))
+        movable = self._movable_pairs(list(dict.fromkeys(owners)))
+        apart = {pair for pair in movable if counts(*pair)}
         chosen = [
             (first, second)
             for first, second in combinations(range(len(own)), 2)
@@ -112,6 +117,17 @@ class LinkClearance:
         row = np.empty(len(self.joints))
         write_slope_held(self._handle, number, row)
         return row
+
+    def place(self, name: str, centre: Floats, radius: float) -> None:
+        """Move a ball to keep out of to a place in the world frame, m, shape (3,)."""
+        # Places follow the links, of which one may have the same name.
+        shape, arrays = len(self.owners) - 1 - self.owners[::-1].index(name), self.arrays
+        record = arrays.shapes[shape]
+        record["centre"], record["radius"], record["reach"] = centre, radius, radius
+        arrays.offsets[record["span"][0]] = centre
+        # A lower bound on the distance, so that it is measured again.
+        arrays.pairs["distance"][arrays.pairs["second"] == shape] = 0.0
+        arrays.at[:] = math.nan
 
     def nearer(self, positions: Floats) -> list[NearLinks]:
         """Return the pairs of links that are nearer than the least distance, the nearest first."""

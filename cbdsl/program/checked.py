@@ -9,7 +9,8 @@ from cbdsl.program.automaton import Automaton
 from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.schema import Schema
-from cbdsl.types.resource import Resource
+from cbdsl.types.resource import LinkDistance, Resource
+from cbdsl.types.source_record import sources_of
 
 if TYPE_CHECKING:
     from cbdsl.documents.robot import HullSection
@@ -186,6 +187,13 @@ class CheckedProgram(NamedTuple):
     def sequential_actions(self) -> tuple[Action, ...]:
         """Actions of a single member, without co-articulation (Section 4.2.1)."""
         return tuple(action for action in self.actions if action.name in self.members)
+
+
+def fixtures_of(program: CheckedProgram) -> tuple[str, ...]:
+    """Return the fixtures that links keep away from, or to which distances are signals."""
+    distances = sources_of(resources_of(program), LinkDistance)
+    measured = (each.other for each in distances if each.is_fixture)
+    return tuple(dict.fromkeys((*program.all_guards.fixtures, *measured)))
 
 
 def resources_of(program: CheckedProgram) -> Sequence[Resource]:

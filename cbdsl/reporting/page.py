@@ -51,6 +51,9 @@ def _data(recorded: Recorded) -> str:
         "predicates": summary["predicates"],
         "cells": summary["load_cells"],
         "guards": summary.get("guards", []),
+        "pairs": {
+            name: each["pairs"] for name, each in summary["signals"].items() if each.get("pairs")
+        },
         "links": [drawn_link(link, bundle) for link in links],
         "bodies": {
             name: [_part(part, bundle) for part in parts]
@@ -98,6 +101,7 @@ def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
         f"signal_{name}": recorded.signals[name].astype(np.float32)
         for name in sorted(compared & recorded.signals.keys())
     }
+    series |= {key: arrays[key].astype(np.int16) for key in arrays if key.startswith("pair_")}
     for name, data in recorded.summary["signals"].items():
         if data["place"]:
             series[f"point_{name}"] = arrays[f"signal_{name}"].astype(np.float32)

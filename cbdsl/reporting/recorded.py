@@ -144,7 +144,9 @@ def read_recording(file: Path) -> Recorded:
     _require_sound(file, summary_faults(summary))
     signals = [f"signal_{name}" for name in summary["signals"]]
     images = [f"image_{name}" for name in summary["robot"].get("cameras", {})]
-    arrays = _arrays(file.with_suffix(".npz"), {*_NEEDED, *_OPTIONAL, *signals, *images})
+    pairs = [f"pair_{name}" for name, each in summary["signals"].items() if each.get("pairs")]
+    names = {*_NEEDED, *_OPTIONAL, *signals, *pairs, *images}
+    arrays = _arrays(file.with_suffix(".npz"), names)
     missing = [key for key in (*_NEEDED, *signals) if key not in arrays]
     if missing:
         raise UsageError(f"{file.with_suffix('.npz')}: lacks {', '.join(missing)}")

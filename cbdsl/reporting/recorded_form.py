@@ -51,6 +51,7 @@ class _Signal(BaseModel, strict=True):
     place: bool
     type: str = ""
     channels: list[str] = []
+    pairs: list[str] = []
 
 
 class _Limits(BaseModel, strict=True):
@@ -248,8 +249,9 @@ def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]])
             "u" if name.startswith("image_") and len(own) == 4 else "fiub"
         ):
             yield f"{name}: is of {array.dtype}"
-    count = len(summary["controllers"])
+    count, signals = len(summary["controllers"]), summary["signals"].items()
     for name, what, end in (
+        *((f"pair_{name}", "pair", len(each.get("pairs", ()))) for name, each in signals),
         ("level_held_by", "controller", count + len(HOLDERS)),
         ("sight", "kind of sight", len(SIGHT)),
     ):
@@ -263,7 +265,7 @@ def _shape(
 ) -> tuple[int, ...] | None:
     """Return the shape of an array, -1 for any length, or ``None`` for an unknown array."""
     joints, controllers = len(summary["joints"]), len(summary["controllers"])
-    if name == "image_time":
+    if name in ("time", "image_time") or name.startswith("pair_"):
         return (-1,)
     if name.startswith("image_"):
         return (arrays["image_time"].size, -1, -1, 3)
@@ -271,7 +273,6 @@ def _shape(
         return (-1, controllers)
     cells = len(summary["load_cells"])
     return {
-        "time": (-1,),
         "positions": (-1, joints),
         "references": (-1, joints),
         "velocities": (-1, joints),

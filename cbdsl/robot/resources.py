@@ -65,6 +65,8 @@ SURFACE = "surface"
 COUNTED = "count"
 #: Word between an object and the effector from whose base its distance is measured.
 FROM = "from"
+#: Least distance between the links of an effector and all others.
+CLEARANCE = "clearance"
 #: Derived posture that has turned a held object; a declared posture of the name takes its place.
 TURNED = "turned"
 #: Prefix of the names of headings to regions that a background model does not expect.
@@ -142,7 +144,8 @@ def resources(robot: RobotDocument, model: UrdfModel | None = None) -> dict[str,
 
     Resources of a channel belong to the attended object. Instances of a channel have names of their
     own, such as ``stereo.red.2``, and so have marks of one hue, such as ``mark.red.blue``. They are
-    not listed: see ``instance_names`` and ``mark_names``.
+    not listed: see ``instance_names`` and ``mark_names``. Nor are distances of links, such as
+    ``arm.clearance`` and ``arm.from.table``.
     """
     named = chain(
         _effectors(robot, model),

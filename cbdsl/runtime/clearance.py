@@ -7,8 +7,7 @@ from collections import Counter
 import numpy as np
 
 from cbdsl.diagnostics.counting import some
-from cbdsl.documents.robot import HullSection
-from cbdsl.kinematics.link_clearance import LinkClearance, with_places
+from cbdsl.kinematics.link_clearance import FAR, LinkClearance, with_places
 from cbdsl.kinematics.link_distance import DistanceArrays
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.program.checked import Guards
@@ -20,8 +19,6 @@ _NEAR, _TIME = 0.06, 0.15
 _PACE = 0.06
 # Largest share of the way to the clearance in a tick.
 _MOST = 0.5
-# Place of an object that is not seen, beyond every robot's reach, m.
-_FAR = HullSection(points=((0.0, 0.0, 1e3),))
 
 
 class Clearance:
@@ -41,14 +38,13 @@ class Clearance:
         self._period, self._held = period, Counter[tuple[str, str]]()
         self._least = least = max(guards.clearance or 0.0, signals.robot.clearance.distance or 0.0)
         self._table, self.rows = signals.table, [signals.bind(each) for each in guards.seen]
+        self._balls = [each.name for each in guards.seen]
         self._links: LinkClearance | None = None
         if least > 0.0:
             share = min(period / _TIME, _MOST)
             model = signals.kinematics.model
-            balls = {each.name: _FAR for each in guards.seen}
-            robot = with_places(signals.robot, {**guards.hulls, **balls})
+            robot = with_places(signals.robot, {**guards.hulls, **dict.fromkeys(self._balls, FAR)})
             self._links = LinkClearance(robot, model, least, _NEAR, share, _PACE * period)
-            self._balls = [self._links.owners.index(name) for name in balls]
         self.arrays: DistanceArrays | None = self._links.arrays if self._links else None
 
     def reset(self) -> None:
@@ -61,16 +57,12 @@ class Clearance:
         """Move the balls of seen objects to their measured places; those not seen are far away."""
         if self._links is None or not self.rows:
             return
-        arrays = self._links.arrays
-        for row, shape in zip(self.rows, self._balls, strict=True):
-            is_there, record = self._table.is_defined(row), arrays.shapes[shape]
-            place = self._table.values(row) if is_there else np.array(_FAR.points[0])
-            record["radius"] = self._table.records[row]["radius"] if is_there else 0.0
-            record["centre"], record["reach"] = place, record["radius"]
-            arrays.offsets[record["span"][0]] = place
-            # A lower bound on the distance, so that it is measured again.
-            arrays.pairs["distance"][arrays.pairs["second"] == shape] = 0.0
-        arrays.at[:] = np.nan
+        for row, name in zip(self.rows, self._balls, strict=True):
+            if self._table.is_defined(row):
+                radius = float(self._table.records[row]["radius"])
+                self._links.place(name, self._table.values(row), radius)
+            else:
+                self._links.place(name, np.array(FAR.points[0]), 0.0)
 
     def note(self) -> None:
         """Count the ticks in which pairs were held."""

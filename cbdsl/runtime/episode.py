@@ -98,10 +98,11 @@ class Runner:
         self._clock, self.observed = clock, tuple(observed)
         self._backend, self._calls = backend, BackendCalls(backend, robot)
         self._policy = policy
-        self.signals = Signals(robot, kinematics, (*resources_of(program), *observed))
+        guards, sensed = program.all_guards, (*resources_of(program), *observed)
+        self.signals = Signals(robot, kinematics, sensed, guards.hulls)
         plan, period = ControllerPlan(), backend.control_period
         self._run = ProgramRun(program, self.signals, plan, period)
-        self._actuation = Actuation(robot, self.signals, plan, period, program.all_guards)
+        self._actuation = Actuation(robot, self.signals, plan, period, guards)
         # Runner of the last episode, and whether its world continues in this one.
         self._before: Runner | None = None
         self._goes_on = False

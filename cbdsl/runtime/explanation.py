@@ -62,11 +62,13 @@ class TickExplanation:
         levels: Explanations of the levels, highest priority first.
         at_limits: Joints held back by their limits.
         guards: Names of the guards that limited the motion.
+        distances: Clauses about the distances of links that were read.
     """
 
     levels: tuple[LevelExplanation, ...]
     at_limits: tuple[str, ...]
     guards: tuple[str, ...] = ()
+    distances: tuple[str, ...] = ()
 
 
 class Explanation:
@@ -98,7 +100,8 @@ class Explanation:
         }
         actuation = tick.actuation
         guards = (*actuation.load_guards.holding, *actuation.clearance.holding)
-        return TickExplanation(levels, tick.actuation.at_limits(), guards)
+        distances = tick.signals.distances.clauses
+        return TickExplanation(levels, actuation.at_limits(), guards, distances)
 
     def _level(
         self, name: str, run: ControllerRun, report: LevelReport, held_by: str, pushed_by: str

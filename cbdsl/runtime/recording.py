@@ -34,7 +34,7 @@ from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision.memory.instances import Instances
 from cbdsl.storage.atomic_file import replace_file, write_text
-from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
+from cbdsl.types.resource import Centroid, LinkDistance, Resource, StereoPosition, Tip
 from cbdsl.types.source_record import channels_of
 
 #: Version of the files; raised if a reader of older files would be misled.
@@ -87,6 +87,7 @@ class Recording(EpisodeObserver):
     - ``flags`` (T, c) of ``FLAGS``, and ``sight`` (T, channels), indices of ``SIGHT``.
     - ``loads``, N and N m (T, cells, 6).
     - ``signal_<resource>``: value of each resource in SI (T, ...), NaN while undefined.
+    - ``pair_<distance>`` (T,): nearest links, an index into the ``pairs`` of the signal.
     - ``scene`` (T, bodies, 7): true position, m, and quaternion (x, y, z, w) of each body, NaN
       while it is not in the world.
 
@@ -122,7 +123,11 @@ class Recording(EpisodeObserver):
             )
         }  # fmt: skip
         self._rows |= {f"signal_{each.name}": [] for each in self._resources}
-        self._rows["guard_held"] = []
+        # Nearest links of each distance, by their names.
+        self._pairs = {
+            e.name: {"": 0} for e in self._resources if isinstance(e.source, LinkDistance)
+        }
+        self._rows |= {key: [] for key in ("guard_held", *(f"pair_{name}" for name in self._pairs))}
         self._guards: list[str] = []
         self._apart: list[tuple[str, ...]] = []
         self._explanation = Explanation()
@@ -177,6 +182,10 @@ class Recording(EpisodeObserver):
         row["guard_held"] = tick.actuation.load_guards.records["held"].tolist()
         self._apart.append(tick.actuation.clearance.holding)
         row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
+        for each in self._resources:
+            if (pairs := self._pairs.get(each.name)) is not None:
+                pair = tick.signals.distances.pair(each)
+                row[f"pair_{each.name}"] = pairs.setdefault(pair, len(pairs))
         for key, value in row.items():
             self._rows[key].append(value)
         self._note_levels(tick)
@@ -281,6 +290,7 @@ class Recording(EpisodeObserver):
                     "type": str(each.type),
                     "place": is_place(each),
                     "channels": list(channels_of(each.source)),
+                    "pairs": list(self._pairs.get(each.name, ())),
                 }
                 for each in self._resources
             },

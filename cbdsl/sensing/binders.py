@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from cbdsl.sensing.link_distances import LinkDistances
 from cbdsl.sensing.predicted_signals import PredictedSignals
 from cbdsl.sensing.sensor_readers import SensorReaders
 from cbdsl.sensing.table.kinematic_rows import KinematicRows
@@ -25,6 +26,7 @@ from cbdsl.types.resource import (
     Heading,
     Headings,
     InstanceCount,
+    LinkDistance,
     MarkHeading,
     ModelSignal,
     NetForces,
@@ -58,6 +60,7 @@ class Binders:
         kinematic_rows: Factory of the rows that follow from joint positions alone.
         sensors: Readers of the sensors.
         predicted: Reader of predicted signals.
+        distances: Reader of the distances of links.
         declared: Function of a declared sensor's signal and its size that returns its reader.
         modelled: Function of a model's signal and its size that returns its reader.
     """
@@ -68,6 +71,7 @@ class Binders:
         kinematic_rows: KinematicRows,
         sensors: SensorReaders,
         predicted: PredictedSignals,
+        distances: LinkDistances,
         declared: Callable[[SensorSignal, int], Reader],
         modelled: Callable[[ModelSignal, int], Reader],
     ) -> None:
@@ -82,6 +86,7 @@ class Binders:
             Separation: _compiled(kinematic_rows.separation),
             GraspCentre: _compiled(kinematic_rows.grasp_centre),
             Opening: _compiled(kinematic_rows.opening),
+            LinkDistance: self._read_by(distances.read),
             FingerLoad: self._load(touch.finger_load, touch.finger_parts),
             NetLoad: self._load(touch.net_load, touch.hand_parts),
             NetForces: self._load(touch.net_forces, touch.group_parts),

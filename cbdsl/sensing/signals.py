@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 
 import numpy as np
 
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import HullSection, RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
 from cbdsl.sensing.binders import Binders
 from cbdsl.sensing.declared_signal import model_reader, sensor_reader
 from cbdsl.sensing.density import Sampler, joint_sampler
+from cbdsl.sensing.link_distances import LinkDistances
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.predicted_signals import PredictedSignals
 from cbdsl.sensing.sensor_faults import require_finite
@@ -50,11 +52,13 @@ class Signals:
         robot: Robot document with the sensors.
         kinematics: Kinematics of the same robot.
         resources: Resources with the channels that the cameras look for.
+        hulls: Hulls around the fixtures of the stage to which distances are measured, by name.
 
     Attributes:
         robot: Robot document.
         table: Table of the rows.
         kinematic_rows: Factory of the rows that follow from joint positions alone.
+        distances: Reader of the distances of links.
         positions: Positions of the actuated joints, rad, shape (n,); each observation overwrites
             them.
         clock: Count of the postures, shape (1,).
@@ -64,7 +68,11 @@ class Signals:
     """
 
     def __init__(
-        self, robot: RobotDocument, kinematics: Kinematics, resources: Iterable[Resource]
+        self,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        resources: Iterable[Resource],
+        hulls: Mapping[str, HullSection] = MappingProxyType({}),
     ) -> None:
         self.robot, self.is_awaited = robot, True
         self.kinematics = kinematics
@@ -80,11 +88,13 @@ class Signals:
         self.touch, self.strain = self.sensors.touch, self.sensors.strain
         self.vision, self.sight = self.sensors.vision, self.sensors.sight
         predicted = PredictedSignals(self.read, self.clock, self.vision)
+        self.distances = LinkDistances(robot, kinematics, self.read, self.clock, hulls)
         self._binders = Binders(
             self._rows,
             self.kinematic_rows,
             self.sensors,
             predicted,
+            self.distances,
             lambda signal, size: sensor_reader(signal, size, len(self.joints), self),
             lambda signal, size: model_reader(signal, size, len(self.joints), self),
         )

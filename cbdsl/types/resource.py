@@ -196,6 +196,30 @@ class SolidSignal(NamedTuple):
         return self.channel, self.other
 
 
+class LinkDistance(NamedTuple):
+    """Least distance between the links that an effector or a group moves and other bodies.
+
+    Attributes:
+        effector: Name of the effector or group.
+        other: Another one, or a place to keep out of, a fixture or a seen object; empty for all
+            other links and places to keep out of.
+        links: Links that move with either.
+        features: Position of the seen object; empty for other bodies.
+        is_fixture: True if the other one is a fixture of the stage.
+    """
+
+    effector: str
+    other: str
+    links: tuple[str, ...]
+    features: tuple[Resource, ...] = ()
+    is_fixture: bool = False
+
+    @property
+    def name(self) -> str:
+        """Name of the distance."""
+        return f"{self.effector}.{f'from.{self.other}' if self.other else 'clearance'}"
+
+
 class Opening(NamedTuple):
     """Distance between the opposing fingertips of a hand."""
 
@@ -403,6 +427,7 @@ Source = (
     | ConstellationSignal
     | StereoOffset
     | SolidSignal
+    | LinkDistance
     | Opening
     | GraspCentre
     | InstanceCount

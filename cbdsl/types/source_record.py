@@ -29,6 +29,7 @@ from cbdsl.types.resource import (
     Headings,
     InstanceCount,
     KernelSample,
+    LinkDistance,
     MarkHeading,
     ModelSignal,
     NetForces,
@@ -149,6 +150,9 @@ RECORDS: Mapping[type, SourceRecord] = {
     FingerForces: SourceRecord(_HAND, "hand", normals=Normals.FINGERS, carriers=_CELLS),
     Opening: SourceRecord(_HAND, "hand", carriers=_CELLS, differs=True),
     GraspCentre: SourceRecord(_HAND, "hand", carriers=_CELLS),
+    LinkDistance: SourceRecord(
+        _EFFECTOR, carriers=(Carrier.LINKS,), links="links", features="features"
+    ),
     Heading: SourceRecord(
         _CAMERA, channels=_ONE, carriers=_SEEN, chains=((CAMERA,), (SIGHTING, *_HOLD))
     ),

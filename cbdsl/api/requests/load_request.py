@@ -161,7 +161,9 @@ def _guarded(
         UsageError: The clearance is not a length above 0, the stage has no such fixture, or a link
             starts too near another one or a fixture.
     """
-    names = program.all_guards.fixtures
+    from cbdsl.program.checked import fixtures_of
+
+    names = fixtures_of(program)
     if clearance is None and not names:
         return program
     from cbdsl.checking.stage.fixture_hulls import fixture_hull
@@ -179,7 +181,8 @@ def _guarded(
             raise UsageError(f"{program.name}: {hull}")
         hulls[name] = hull
     least = program.all_guards.clearance or 0.0
-    if near := too_near_at_start(with_places(robot, hulls), read_urdf(urdf), least):
+    kept = {name: hulls[name] for name in program.all_guards.fixtures}
+    if least and (near := too_near_at_start(with_places(robot, kept), read_urdf(urdf), least)):
         given = "" if clearance is None else f" with clearance {clearance}"
         raise UsageError(f"{program.name} on {stage.name}{given}: {near}")
     return program._replace(guards=program.guards._replace(hulls=hulls))

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from cbdsl.checking.load_noise import least_force
 from cbdsl.checking.program_context import ProgramContext, Steps
-from cbdsl.checking.session import Session
 from cbdsl.checking.stage.fixture_hulls import fixture_hull
 from cbdsl.checking.start_clearance import unkept_clearance
 from cbdsl.diagnostics.diagnostics import Diagnostics
-from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
-from cbdsl.documents.program import ProgramDocument
+from cbdsl.diagnostics.outcome import Unknown
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, fixtures_of
+from cbdsl.robot.resources import FROM
 from cbdsl.types.resource import Origin, Resource
-from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.source_map import SourceMap
 
 
 def check_guards(context: ProgramContext) -> tuple[tuple[Resource, ...], tuple[str, ...]]:
@@ -99,20 +99,22 @@ def _avoided(context: ProgramContext) -> tuple[tuple[Resource, ...], tuple[str, 
 
 
 def check_fixtures(
-    loaded: Loaded[ProgramDocument],
+    source: SourceMap,
     program: CheckedProgram,
-    session: Session,
+    stage: StageDocument,
+    robot: RobotDocument,
     diagnostics: Diagnostics,
 ) -> None:
-    """Report fixtures to keep away from that the stage of a sound program does not have."""
-    if not program.guards.fixtures:
-        return
-    library = session.library
-    path = library.find(StageDocument, program.stage or "", loaded.path)
-    stage = session.read(path, StageDocument, diagnostics) if path else UNKNOWN
-    if isinstance(stage, Unknown):
-        return
-    for name in program.guards.fixtures:
-        hull = fixture_hull(name, stage.document)
-        if isinstance(hull, str):
-            diagnostics.add("CB587", loaded.source.place("guards", "avoid"), problem=hull)
+    """Report the fixtures of a sound program's links that its stage does not have."""
+    for name in fixtures_of(program):
+        hull = fixture_hull(name, stage)
+        if not isinstance(hull, str):
+            continue
+        if name in program.guards.fixtures:
+            diagnostics.add("CB587", source.place("guards", "avoid"), problem=hull)
+            continue
+        texts = {key: each.text for key, each in program.conditions.items()}
+        at = next((("conditions", key) for key, text in texts.items() if name in text), ("stage",))
+        names = [*robot.all_effectors, *robot.clearance.keep_out, *stage.fixtures]
+        details = {"name": f"{FROM}.{name}", "robot": robot.name, "hint": f"; {hull}"}
+        diagnostics.add("CB501", source.place(*at), names=names, given=name, **details)

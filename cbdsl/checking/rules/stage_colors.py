@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cbdsl.checking.rules.guards import check_fixtures
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import Unknown
@@ -19,13 +20,13 @@ from cbdsl.types.source_record import channel_of
 from cbdsl.yaml_text.loaded import Loaded
 
 
-def check_colors(
+def check_on_stage(
     loaded: Loaded[ProgramDocument],
     program: CheckedProgram,
     session: Session,
     diagnostics: Diagnostics,
 ) -> None:
-    """Note the channels of a sound program that no object of its stage has."""
+    """Report the fixtures and note the channels of a sound program that its stage lacks."""
     if program.stage is None:
         return
     place, library = loaded.source.place("stage"), session.library
@@ -37,6 +38,7 @@ def check_colors(
     body = session.read(robot, RobotDocument, diagnostics)
     if isinstance(shown, Unknown) or isinstance(body, Unknown):
         return
+    check_fixtures(loaded.source, program, shown.document, body.document, diagnostics)
     for channel in absent_channels(program, shown.document, body.document.vision.channels):
         diagnostics.add("CB729", place, stage=program.stage, channel=channel)
 

@@ -64,6 +64,8 @@ class StackNarration(EpisodeObserver):
             print("\n".join([f"  {time:6.2f} s  {heading}", *(_INDENT + line for line in lines)]))
         if self._last.at_limits:
             print(f"{_INDENT}at their limits: {', '.join(self._last.at_limits)}")
+        for clause in self._last.distances:
+            print(f"{_INDENT}{clause}")
         if self._held:
             held = self._held.most_common()
             shares = [f"{name} ({100 * count / self._ticks:.0f} %)" for name, count in held]

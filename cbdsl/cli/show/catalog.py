@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.api.reading.clean import require_clean
-from cbdsl.api.requests.explore_request import require_persistent
-from cbdsl.api.requests.explored_actions import recorded_actions
-from cbdsl.api.requests.load_request import LoadOptions
+from cbdsl.api.simulation.expect import expect
 from cbdsl.cli.arguments.options import BackendName, Cameras, Seed
-from cbdsl.cli.episodes.simulation import needing_simulation, simulation
+from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.output.terminal import print_json
 from cbdsl.cli.show.formats import PICTURED, Format, Json, read_format
 from cbdsl.diagnostics.errors import UsageError
@@ -48,7 +46,7 @@ def show_catalog(
     name: Catalog,
     *,
     against: Against = None,
-    expect: Expect = None,
+    on: Expect = None,
     scenes: Scenes = 20,
     seed: Seed = 1_000_000,
     backend: BackendName,
@@ -62,13 +60,14 @@ def show_catalog(
     --against prints the lines that differ from another catalog. With --expect, the robot observes
     scenes of a stage, predicts the reward of each action, and tries one action in each.
     """
-    if expect is not None and against is not None:
+    if on is not None and against is not None:
         raise UsageError("--expect predicts and --against compares: choose one")
     form = read_format("svg" if svg else format_, as_json, PICTURED)
+    if on is not None:
+        _predict(name, on, scenes, seed, backend, cameras, form is Format.JSON)
+        return
     catalog = _read(name)
-    if expect is not None:
-        _predict(catalog, expect, scenes, seed, backend, cameras, form is Format.JSON)
-    elif against is not None:
+    if against is not None:
         print(_difference(_read(against), catalog), end="")
     elif form is Format.SVG:
         print(_icon(catalog), end="")
@@ -99,7 +98,7 @@ def _icon(catalog: CatalogDocument) -> str:
 
 
 def _predict(
-    catalog: CatalogDocument,
+    name: str,
     stage: str,
     scenes: int,
     seed: int,
@@ -107,35 +106,23 @@ def _predict(
     cameras: str | None,
     as_json: bool,
 ) -> None:
+    def tell(prediction: Prediction) -> None:
+        if not as_json:
+            word = "rewarded" if prediction.rewarded else "no reward"
+            print(
+                f"scene {prediction.scene + 1} of {scenes}: {prediction.action:20s} "
+                f"{chance(prediction)}  {word}",
+                flush=True,
+            )
+
     with needing_simulation():
-        from cbdsl.training.exploration.action_runner import ActionRunner
-        from cbdsl.training.held_out import try_scenes
+        from cbdsl.cli.output.compilation import told_of_compilation
 
-    request, actions = recorded_actions(catalog, stage)
-    require_persistent(request.stage)
-    between = LoadOptions(stage=stage).read("let_go")
-    with simulation(request, backend, cameras=cameras) as (body, kinematics):
-        runner = ActionRunner(
-            request.robot,
-            kinematics,
-            body,
-            request.stage,
-            actions,
-            between.program,
-            # Maximum time of an action, s, as in explorations.
-            60.0,
-        )
-
-        def tell(prediction: Prediction) -> None:
-            if not as_json:
-                word = "rewarded" if prediction.rewarded else "no reward"
-                print(
-                    f"scene {prediction.scene + 1} of {scenes}: {prediction.action:20s} "
-                    f"{chance(prediction)}  {word}",
-                    flush=True,
-                )
-
-        predictions = try_scenes(catalog, runner, range(scenes), seed, tell)
+        with told_of_compilation():
+            predictions = expect(
+                name, stage, seed=seed, scenes=scenes, backend=backend, cameras=cameras,
+                on_prediction=tell,
+            )  # fmt: skip
     _conclude(predictions, as_json=as_json)
 
 

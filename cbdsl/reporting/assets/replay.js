@@ -101,7 +101,8 @@ function valueOf(data, program, use, member, tick) {
   if (compared) {
     return compared.map(([name, axis]) => {
       const values = data.arrays[`signal_${name}`];
-      return `${name} ${values ? numberText(row(values, tick)[axis]) : "–"}`;
+      const pair = data.arrays[`pair_${name}`], nearest = pair && data.pairs[name][pair[tick]];
+      return `${name} ${values ? numberText(row(values, tick)[axis]) : "–"}${nearest ? ` (${nearest})` : ""}`;
     }).join(", ");
   }
   const prefix = use ? `${use}.` : "", inner = Object.keys(automaton.kinds);

@@ -87,7 +87,8 @@ def _compared(condition: ProgramCondition, tick: Tick) -> str:
     for component in (each for sum_ in condition.comparisons for each in sum_.factors):
         reading = tick.signals.read(component.resource)
         shown = "–" if reading is None else f"{reading.value[component.axis]:.3g}"  # noqa: RUF001
-        texts.append(f"{component.resource.name} {shown}")
+        pair = tick.signals.distances.pair(component.resource)
+        texts.append(f"{component.resource.name} {shown}{pair and f' ({pair})'}")
     return ", ".join(dict.fromkeys(texts))
 
 

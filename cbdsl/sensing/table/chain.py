@@ -5,71 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cbdsl.types.casts import CAMERA, CAMERA_TURNS, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
-from cbdsl.types.resource import (
-    Centroid,
-    ConstellationSignal,
-    EffectorConfiguration,
-    FingerForces,
-    FingerLoad,
-    GraspCentre,
-    Heading,
-    Headings,
-    MarkHeading,
-    ModelSignal,
-    NetForces,
-    NetLoad,
-    NovelHeading,
-    Opening,
-    PairLikeness,
-    Posture,
-    Resource,
-    SensorSignal,
-    Separation,
-    SolidSignal,
-    StereoOffset,
-    StereoPosition,
-    Tip,
-    Turned,
-)
+from cbdsl.types.casts import Chain
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import chains_of
 
 MANIPULATOR = "inverse manipulator Jacobian"
-_COMPLIANCE = "compliance"
-
-_JOINTS: frozenset[tuple[str, ...]] = frozenset({()})
-_ARMS = frozenset({(MANIPULATOR,)})
-_LOADS = frozenset({(_COMPLIANCE,)})
-_TURNS = frozenset({(each.name,) for each in CAMERA_TURNS})
-_HELD = RIGID_HOLD.name, MANIPULATOR
-#: Chains of rows whose readers return the whole Jacobian.
-WHOLE = frozenset({("whole Jacobian",)})
-
-#: Chains of casts, by name, from which rows compile their Jacobians, by kind of source.
-EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
-    SensorSignal: WHOLE,
-    ModelSignal: WHOLE,
-    EffectorConfiguration: _JOINTS,
-    Posture: _JOINTS,
-    Turned: _JOINTS,
-    Tip: _ARMS,
-    Centroid: _ARMS,
-    Separation: _ARMS,
-    FingerLoad: _LOADS,
-    NetLoad: _LOADS,
-    NetForces: _LOADS,
-    FingerForces: _LOADS,
-    Heading: frozenset({(CAMERA.name,), (SIGHTING.name, *_HELD)}),
-    Headings: frozenset({(CAMERA.name,), (TRIANGULATION.name, *_HELD)}),
-    StereoPosition: frozenset({_HELD}),
-    NovelHeading: frozenset({(CAMERA.name,)}),
-    MarkHeading: frozenset({(CAMERA.name,)}),
-    ConstellationSignal: _TURNS,
-    StereoOffset: _TURNS,
-    SolidSignal: _TURNS,
-    PairLikeness: _TURNS,
-    Opening: _ARMS,
-    GraspCentre: _ARMS,
-}
 
 
 class CastError(Exception):
@@ -82,9 +22,8 @@ def require_executed(resource: Resource, chains: tuple[Chain, ...]) -> None:
     Raises:
         CastError: No row of such a source is compiled from one of the chains.
     """
-    executed = EXECUTED.get(type(resource.source), frozenset())
-    for chain in () if executed is WHOLE else chains:
-        if tuple(cast.name for cast in chain) not in executed:
+    for chain in chains:
+        if chain not in chains_of(resource):
             casts = " → ".join(map(str, chain)) or "no cast"
             raise CastError(f"no row of {resource.name} executes {casts}")
 

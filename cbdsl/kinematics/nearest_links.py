@@ -1,0 +1,92 @@
+"""Nearest links: least distance between the links of an effector and other bodies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from cbdsl.documents.robot import HullSection, RobotDocument
+from cbdsl.kinematics.link_clearance import FAR, LinkClearance, with_places
+from cbdsl.numeric.arrays import Floats
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.types.resource import LinkDistance
+
+# Distance beyond that of the last posture within which pairs are measured exactly, m.
+_SLACK = 0.02
+
+
+class NearestLinks:
+    """Least distance between the links that an effector moves and other bodies.
+
+    Pairs are left out as for a clearance.
+
+    Attributes:
+        pair: Names of the links that were nearest at the last measurement.
+        distance: Their distance, m, 0 in contact.
+
+    Args:
+        robot: Robot document.
+        model: Model of the robot.
+        source: Distance.
+        hulls: Hulls around fixtures in the world frame, by name.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        model: UrdfModel,
+        source: LinkDistance,
+        hulls: Mapping[str, HullSection] = MappingProxyType({}),
+    ) -> None:
+        self._other, self.pair, self.distance = source.other, "", math.inf
+        is_effector, own = self._other in robot.all_effectors, set(robot.joints(source.effector))
+        joints = set(robot.joints(self._other)) if is_effector else set[str]()
+
+        def is_of(link: str, moving: set[str]) -> bool:
+            return any(joint.name in moving for joint in model.way(link))
+
+        def is_meant(one: str, other: str) -> bool:
+            ends = (one, other), (other, one)
+            if joints and all(is_of(end, own) and is_of(end, joints) for end in ends[0]):
+                return False
+            return any(
+                is_of(first, own)
+                and (self._other in ("", second) or (bool(joints) and is_of(second, joints)))
+                for first, second in ends
+            )
+
+        is_added = source.is_fixture or source.features
+        places = {self._other: hulls.get(self._other, FAR)} if is_added else {}
+        self._links = LinkClearance(with_places(robot, places), model, 0.0, 1.0, counts=is_meant)
+
+    @property
+    def are_known(self) -> bool:
+        """True if a pair of links has shapes and can come near each other."""
+        return bool(self._links.names)
+
+    def place(self, centre: Floats, radius: float) -> None:
+        """Move the other body, a ball, to a place in the world frame, m, shape (3,)."""
+        self._links.place(self._other, centre, radius)
+
+    def measure(self, positions: Floats) -> Floats:
+        """Measure the distance in a posture; return its change per actuated joint, shape (n,).
+
+        Args:
+            positions: Positions of the actuated joints, rad or m, shape (n,).
+        """
+        arrays = self._links.arrays
+        self._links.measure(positions)
+        while not arrays.pairs["near"].any():  # as an object far away
+            arrays.bounds[1], arrays.at[:] = 2.0 * arrays.bounds[1], math.nan
+            self._links.measure(positions)
+        distances = np.where(arrays.pairs["near"], arrays.pairs["distance"], np.inf)
+        number = int(np.argmin(distances))
+        self.distance, self.pair = (
+            max(float(distances[number]), 0.0),
+            " and ".join(self._links.names[number]),
+        )
+        arrays.bounds[1] = self.distance + _SLACK
+        return self._links.slope(number)
