@@ -290,7 +290,7 @@ class Recording(EpisodeObserver):
                     "type": str(each.type),
                     "place": is_place(each),
                     "channels": list(channels_of(each.source)),
-                    "pairs": list(self._pairs.get(each.name, ())),
+                    **({"pairs": [*self._pairs[each.name]]} if each.name in self._pairs else {}),
                 }
                 for each in self._resources
             },
