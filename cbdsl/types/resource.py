@@ -410,40 +410,13 @@ class PairLikeness(NamedTuple):
 
 
 Source = (
-    EffectorConfiguration
-    | Tip
-    | Centroid
-    | Separation
-    | FingerLoad
-    | NetLoad
-    | NetForces
-    | FingerForces
-    | Heading
-    | Headings
-    | StereoPosition
-    | BlobSignal
-    | StereoSignal
-    | ObjectDistance
-    | ConstellationSignal
-    | StereoOffset
-    | SolidSignal
-    | LinkDistance
-    | Opening
-    | GraspCentre
-    | InstanceCount
-    | NovelHeading
-    | MarkHeading
-    | AffordanceProbability
-    | PairLikeness
-    | SurfacePoint
-    | SensorSignal
-    | ModelSignal
-    | Posture
-    | Turned
-    | UniformSample
-    | GaussianSample
-    | KernelSample
-)
+    EffectorConfiguration | Tip | Centroid | Separation | FingerLoad | NetLoad | NetForces |
+    FingerForces | Heading | Headings | StereoPosition | BlobSignal | StereoSignal |
+    ObjectDistance | ConstellationSignal | StereoOffset | SolidSignal | LinkDistance | Opening |
+    GraspCentre | InstanceCount | NovelHeading | MarkHeading | AffordanceProbability |
+    PairLikeness | SurfacePoint | SensorSignal | ModelSignal | Posture | Turned | UniformSample
+    | GaussianSample | KernelSample
+)  # fmt: skip
 
 
 # These values are random. A new one in each tick would be a reference that no controller can reach.

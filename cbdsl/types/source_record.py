@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum, auto
 from typing import Any, NamedTuple, TypeVar
 
+from cbdsl.types import resource as sources
 from cbdsl.types.casts import (
     CAMERA,
     RIGID_HOLD,
@@ -15,43 +16,7 @@ from cbdsl.types.casts import (
     Chain,
     chains,
 )
-from cbdsl.types.resource import (
-    AffordanceProbability,
-    BlobSignal,
-    Centroid,
-    ConstellationSignal,
-    EffectorConfiguration,
-    FingerForces,
-    FingerLoad,
-    GaussianSample,
-    GraspCentre,
-    Heading,
-    Headings,
-    InstanceCount,
-    KernelSample,
-    LinkDistance,
-    MarkHeading,
-    ModelSignal,
-    NetForces,
-    NetLoad,
-    NovelHeading,
-    ObjectDistance,
-    Opening,
-    PairLikeness,
-    Posture,
-    Resource,
-    SensorSignal,
-    Separation,
-    SolidSignal,
-    Source,
-    StereoOffset,
-    StereoPosition,
-    StereoSignal,
-    SurfacePoint,
-    Tip,
-    Turned,
-    UniformSample,
-)
+from cbdsl.types.resource import Resource, Source
 from cbdsl.types.resource_type import FORCE, HEADING, POSITION, configuration
 
 Kind = TypeVar("Kind")
@@ -138,57 +103,69 @@ _HOLD: Chain = (RIGID_HOLD, *chains(POSITION, configuration(1))[0])
 # cameras and with a held object. A position is in the world frame, so that only a holding hand
 # changes it.
 RECORDS: Mapping[type, SourceRecord] = {
-    EffectorConfiguration: SourceRecord(_EFFECTOR, "effector", moves=True),
-    Tip: SourceRecord(_EFFECTOR, "effector", moves=True, carriers=_TIPS),
-    Centroid: SourceRecord(_GROUP, "group", moves=True, combines=Combination.MEAN, carriers=_TIPS),
-    Separation: SourceRecord(
+    sources.EffectorConfiguration: SourceRecord(_EFFECTOR, "effector", moves=True),
+    sources.Tip: SourceRecord(_EFFECTOR, "effector", moves=True, carriers=_TIPS),
+    sources.Centroid: SourceRecord(
+        _GROUP, "group", moves=True, combines=Combination.MEAN, carriers=_TIPS
+    ),
+    sources.Separation: SourceRecord(
         _GROUP, "group", moves=True, combines=Combination.DIFFERENCE, carriers=_TIPS
     ),
-    FingerLoad: SourceRecord((*_HAND, "{finger}"), "hand", carriers=(Carrier.CELL,)),
-    NetLoad: SourceRecord(_HAND, "hand", sums=True, normals=Normals.PALMS, carriers=_CELLS),
-    NetForces: SourceRecord(_GROUP, "group", sums=True, normals=Normals.PALMS, carriers=_CELLS),
-    FingerForces: SourceRecord(_HAND, "hand", normals=Normals.FINGERS, carriers=_CELLS),
-    Opening: SourceRecord(_HAND, "hand", carriers=_CELLS, differs=True),
-    GraspCentre: SourceRecord(_HAND, "hand", carriers=_CELLS),
-    LinkDistance: SourceRecord(
+    sources.FingerLoad: SourceRecord((*_HAND, "{finger}"), "hand", carriers=(Carrier.CELL,)),
+    sources.NetLoad: SourceRecord(_HAND, "hand", sums=True, normals=Normals.PALMS, carriers=_CELLS),
+    sources.NetForces: SourceRecord(
+        _GROUP, "group", sums=True, normals=Normals.PALMS, carriers=_CELLS
+    ),
+    sources.FingerForces: SourceRecord(_HAND, "hand", normals=Normals.FINGERS, carriers=_CELLS),
+    sources.Opening: SourceRecord(_HAND, "hand", carriers=_CELLS, differs=True),
+    sources.GraspCentre: SourceRecord(_HAND, "hand", carriers=_CELLS),
+    sources.LinkDistance: SourceRecord(
         _EFFECTOR, carriers=(Carrier.LINKS,), links="links", features="features"
     ),
-    Heading: SourceRecord(
+    sources.Heading: SourceRecord(
         _CAMERA, channels=_ONE, carriers=_SEEN, chains=((CAMERA,), (SIGHTING, *_HOLD))
     ),
-    Headings: SourceRecord(
+    sources.Headings: SourceRecord(
         _CAMERAS,
         channels=_ONE,
         stereo=True,
         carriers=_SEEN,
         chains=((CAMERA,), (TRIANGULATION, *_HOLD)),
     ),
-    StereoPosition: SourceRecord(
+    sources.StereoPosition: SourceRecord(
         _CAMERAS, channels=_ONE, located=True, carriers=_HELD, chains=(_HOLD,)
     ),
-    BlobSignal: SourceRecord(_CAMERA, channels=_ONE, carriers=_SEEN),
-    StereoSignal: SourceRecord(_CAMERAS, channels=_ONE, carriers=_HELD),
-    ObjectDistance: SourceRecord(_CAMERAS, channels=_ONE, carriers=_HELD),
-    InstanceCount: SourceRecord(_CAMERAS, channels=_ONE),
-    SurfacePoint: SourceRecord(_CAMERAS, channels=_ONE),
-    NovelHeading: SourceRecord(_CAMERAS, channels=_ONE, carriers=_EYES, chains=((CAMERA,),)),
-    MarkHeading: SourceRecord(
+    sources.BlobSignal: SourceRecord(_CAMERA, channels=_ONE, carriers=_SEEN),
+    sources.StereoSignal: SourceRecord(_CAMERAS, channels=_ONE, carriers=_HELD),
+    sources.ObjectDistance: SourceRecord(_CAMERAS, channels=_ONE, carriers=_HELD),
+    sources.InstanceCount: SourceRecord(_CAMERAS, channels=_ONE),
+    sources.SurfacePoint: SourceRecord(_CAMERAS, channels=_ONE),
+    sources.NovelHeading: SourceRecord(
+        _CAMERAS, channels=_ONE, carriers=_EYES, chains=((CAMERA,),)
+    ),
+    sources.MarkHeading: SourceRecord(
         _CAMERAS, channels=("channel", "hues"), hues="hues", carriers=_EYES, chains=((CAMERA,),)
     ),
-    ConstellationSignal: SourceRecord(_CAMERA, channels=_TWO, compares=True, carriers=_EYES),
-    StereoOffset: SourceRecord(_CAMERAS, channels=_TWO, compares=True, carriers=_EYES),
-    SolidSignal: SourceRecord(
+    sources.ConstellationSignal: SourceRecord(
+        _CAMERA, channels=_TWO, compares=True, carriers=_EYES
+    ),
+    sources.StereoOffset: SourceRecord(_CAMERAS, channels=_TWO, compares=True, carriers=_EYES),
+    sources.SolidSignal: SourceRecord(
         _CAMERAS, channels=_TWO, compares=True, carriers=_EYES, chains=((SIZE_TURN,),)
     ),
-    AffordanceProbability: SourceRecord(_CAMERAS, features="features"),
-    PairLikeness: SourceRecord(_CAMERAS, compares=True, carriers=_EYES, features="features"),
-    SensorSignal: SourceRecord(("sensors", "{sensor}"), carriers=(Carrier.LINKS,), links="links"),
-    ModelSignal: SourceRecord(_EFFECTOR, features="features"),
-    Posture: SourceRecord((*_EFFECTOR, "postures", "{posture}"), "effector"),
-    Turned: SourceRecord(_EFFECTOR, "effector"),
-    UniformSample: SourceRecord(_EFFECTOR, "effector", uniform=True),
-    GaussianSample: SourceRecord(_EFFECTOR, "effector"),
-    KernelSample: SourceRecord(_EFFECTOR, "effector"),
+    sources.AffordanceProbability: SourceRecord(_CAMERAS, features="features"),
+    sources.PairLikeness: SourceRecord(
+        _CAMERAS, compares=True, carriers=_EYES, features="features"
+    ),
+    sources.SensorSignal: SourceRecord(
+        ("sensors", "{sensor}"), carriers=(Carrier.LINKS,), links="links"
+    ),
+    sources.ModelSignal: SourceRecord(_EFFECTOR, features="features"),
+    sources.Posture: SourceRecord((*_EFFECTOR, "postures", "{posture}"), "effector"),
+    sources.Turned: SourceRecord(_EFFECTOR, "effector"),
+    sources.UniformSample: SourceRecord(_EFFECTOR, "effector", uniform=True),
+    sources.GaussianSample: SourceRecord(_EFFECTOR, "effector"),
+    sources.KernelSample: SourceRecord(_EFFECTOR, "effector"),
 }
 
 
