@@ -11,33 +11,8 @@ from cbdsl.documents.robot import Channels, LoadCell, RobotDocument
 from cbdsl.robot.channel_names import channel_names, color_of, hue_names
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.urdf import UrdfModel
-from cbdsl.types.resource import (
-    CYCLOPEAN,
-    BlobSignal,
-    Centroid,
-    EffectorConfiguration,
-    FingerForces,
-    FingerLoad,
-    GraspCentre,
-    Heading,
-    Headings,
-    InstanceCount,
-    MarkHeading,
-    NetForces,
-    NetLoad,
-    ObjectDistance,
-    Opening,
-    Origin,
-    Posture,
-    Resource,
-    Separation,
-    StereoPosition,
-    StereoSignal,
-    SurfacePoint,
-    Tip,
-    Turned,
-    UniformSample,
-)
+from cbdsl.types import resource as sources
+from cbdsl.types.resource import CYCLOPEAN, Origin, Resource
 from cbdsl.types.resource_type import (
     ANGLE_OR_LENGTH,
     AXIS,
@@ -163,18 +138,18 @@ def _effectors(robot: RobotDocument, model: UrdfModel | None) -> Iterator[Resour
         yield from _configurations(name, kind, effector.postures)
         if effector.tip is not None:
             if robot.cameras and TURNED not in effector.postures:
-                yield Resource(f"{name}.{TURNED}", kind, Origin.CONSTANT, Turned(name))
+                yield Resource(f"{name}.{TURNED}", kind, Origin.CONSTANT, sources.Turned(name))
             for part, kind in _TIP_PARTS.items():
-                tip = Tip(name, part)
+                tip = sources.Tip(name, part)
                 yield Resource(f"{name}.{part}", kind, Origin.KINEMATICS, tip, movable=True)
 
 
 def _configurations(name: str, kind: ResourceType, postures: Iterable[str]) -> Iterator[Resource]:
-    source = EffectorConfiguration(name)
+    source = sources.EffectorConfiguration(name)
     yield Resource(name, kind, Origin.PROPRIOCEPTION, source, movable=True)
-    yield Resource(f"{name}.uniform", kind, Origin.MODEL, UniformSample(name))
+    yield Resource(f"{name}.uniform", kind, Origin.MODEL, sources.UniformSample(name))
     for posture in postures:
-        yield Resource(f"{name}.{posture}", kind, Origin.CONSTANT, Posture(name, posture))
+        yield Resource(f"{name}.{posture}", kind, Origin.CONSTANT, sources.Posture(name, posture))
 
 
 def _groups(robot: RobotDocument, model: UrdfModel | None) -> Iterator[Resource]:
@@ -189,15 +164,19 @@ def _groups(robot: RobotDocument, model: UrdfModel | None) -> Iterator[Resource]
             yield from _tips(name, len(members))
         if all(member in robot.load_cells for member in group.members):
             forces = FORCE.times(len(members))
-            yield Resource(f"{name}.net_forces", forces, Origin.ENVIRONMENT, NetForces(name))
+            yield Resource(
+                f"{name}.net_forces", forces, Origin.ENVIRONMENT, sources.NetForces(name)
+            )
 
 
 def _tips(group: str, members: int) -> Iterator[Resource]:
-    known, tips = Origin.KINEMATICS, Tip(group, "position")
+    known, tips = Origin.KINEMATICS, sources.Tip(group, "position")
     yield Resource(f"{group}.position", POSITION.times(members), known, tips, movable=True)
-    yield Resource(f"{group}.centroid", POSITION, known, Centroid(group), movable=True)
+    yield Resource(f"{group}.centroid", POSITION, known, sources.Centroid(group), movable=True)
     if members == 2:
-        yield Resource(f"{group}.separation", POSITION, known, Separation(group), movable=True)
+        yield Resource(
+            f"{group}.separation", POSITION, known, sources.Separation(group), movable=True
+        )
 
 
 def _loads(robot: RobotDocument) -> Iterator[Resource]:
@@ -209,14 +188,16 @@ def _hand_loads(hand: str, cells: Mapping[str, LoadCell]) -> Iterator[Resource]:
     world = Origin.ENVIRONMENT
     for part, kind in _LOAD_PARTS.items():
         for finger in cells:
-            yield Resource(f"{hand}.{finger}.{part}", kind, world, FingerLoad(hand, finger, part))
-        yield Resource(f"{hand}.net.{part}", kind, world, NetLoad(hand, part))
+            yield Resource(
+                f"{hand}.{finger}.{part}", kind, world, sources.FingerLoad(hand, finger, part)
+            )
+        yield Resource(f"{hand}.net.{part}", kind, world, sources.NetLoad(hand, part))
     forces = FORCE.times(len(cells))
-    yield Resource(f"{hand}.finger_forces", forces, world, FingerForces(hand))
+    yield Resource(f"{hand}.finger_forces", forces, world, sources.FingerForces(hand))
     if len(cells) > 1:
         known = Origin.KINEMATICS
-        yield Resource(f"{hand}.opening", LENGTH, known, Opening(hand))
-        yield Resource(f"{hand}.centre", POSITION, known, GraspCentre(hand))
+        yield Resource(f"{hand}.opening", LENGTH, known, sources.Opening(hand))
+        yield Resource(f"{hand}.centre", POSITION, known, sources.GraspCentre(hand))
 
 
 def _sensors(robot: RobotDocument) -> Iterator[Resource]:
@@ -234,15 +215,15 @@ def _vision(robot: RobotDocument) -> Iterator[Resource]:
         own = color_of(channel, channels)
         hues = tuple(hue for hue in hue_names(channels) if color_of(hue, channels) != own)
         if hues:
-            mark = MarkHeading(channel, hues)
+            mark = sources.MarkHeading(channel, hues)
             yield Resource(f"{MARK}.{name}", HEADING, Origin.ENVIRONMENT, mark)
         for camera in (*robot.cameras, CYCLOPEAN):
-            source = Heading(camera, channel)
+            source = sources.Heading(camera, channel)
             yield Resource(f"{camera}.{name}", HEADING, Origin.ENVIRONMENT, source)
         if robot.has_stereo:
             pair = HEADING.times(2)
-            yield Resource(f"{CAMERAS}.{name}", pair, Origin.ENVIRONMENT, Headings(channel))
-            position = StereoPosition(channel)
+            yield Resource(f"{CAMERAS}.{name}", pair, Origin.ENVIRONMENT, sources.Headings(channel))
+            position = sources.StereoPosition(channel)
             yield Resource(f"{STEREO}.{name}", POSITION, Origin.TRIANGULATION, position)
         yield from _features(robot, name, channel)
 
@@ -251,19 +232,19 @@ def _features(robot: RobotDocument, name: str, channel: str) -> Iterator[Resourc
     """Yield features of the blobs of a channel, and of the objects that they belong to."""
     for camera in robot.cameras:
         for part, kind in _BLOB_PARTS.items():
-            blob = BlobSignal(camera, channel, part)
+            blob = sources.BlobSignal(camera, channel, part)
             yield Resource(f"{camera}.{name}.{part}", kind, Origin.ENVIRONMENT, blob)
     if robot.has_stereo:
         for part, kind in _STEREO_PARTS.items():
-            seen = StereoSignal(channel, part)
+            seen = sources.StereoSignal(channel, part)
             yield Resource(f"{STEREO}.{name}.{part}", kind, Origin.TRIANGULATION, seen)
         for effector in _with_tips(robot):
-            far = ObjectDistance(channel, effector)
+            far = sources.ObjectDistance(channel, effector)
             distance = f"{STEREO}.{name}.{FROM}.{effector}"
             yield Resource(distance, DISTANCE, Origin.TRIANGULATION, far)
-        count = InstanceCount(channel)
+        count = sources.InstanceCount(channel)
         yield Resource(f"{COUNTED}.{name}", COUNT, Origin.TRIANGULATION, count)
-        point = SurfacePoint(channel)
+        point = sources.SurfacePoint(channel)
         yield Resource(f"{SURFACE}.{name}", POSITION, Origin.SURFACE, point)
 
 

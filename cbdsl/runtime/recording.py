@@ -35,7 +35,7 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision.memory.instances import Instances
 from cbdsl.storage.atomic_file import replace_file, write_text
 from cbdsl.types.resource import Centroid, LinkDistance, Resource, StereoPosition, Tip
-from cbdsl.types.source_record import channels_of
+from cbdsl.types.source_record import channels_of, sources_of
 
 #: Version of the files; raised if a reader of older files would be misled.
 VERSION = 2
@@ -123,11 +123,10 @@ class Recording(EpisodeObserver):
             )
         }  # fmt: skip
         self._rows |= {f"signal_{each.name}": [] for each in self._resources}
+        self._distances = [e for e in self._resources if sources_of([e], LinkDistance)]
+        self._rows |= {f"pair_{each.name}": [] for each in self._distances} | {"guard_held": []}
         # Nearest links of each distance, by their names.
-        self._pairs = {
-            e.name: {"": 0} for e in self._resources if isinstance(e.source, LinkDistance)
-        }
-        self._rows |= {key: [] for key in ("guard_held", *(f"pair_{name}" for name in self._pairs))}
+        self._pairs = {each.name: {"": 0} for each in self._distances}
         self._guards: list[str] = []
         self._apart: list[tuple[str, ...]] = []
         self._explanation = Explanation()
@@ -182,10 +181,9 @@ class Recording(EpisodeObserver):
         row["guard_held"] = tick.actuation.load_guards.records["held"].tolist()
         self._apart.append(tick.actuation.clearance.holding)
         row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
-        for each in self._resources:
-            if (pairs := self._pairs.get(each.name)) is not None:
-                pair = tick.signals.distances.pair(each)
-                row[f"pair_{each.name}"] = pairs.setdefault(pair, len(pairs))
+        for each in self._distances:
+            pairs, pair = self._pairs[each.name], tick.signals.distances.pair(each)
+            row[f"pair_{each.name}"] = pairs.setdefault(pair, len(pairs))
         for key, value in row.items():
             self._rows[key].append(value)
         self._note_levels(tick)

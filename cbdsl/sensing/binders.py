@@ -31,8 +31,8 @@ class Binders:
         sensors: Readers of the sensors.
         predicted: Reader of predicted signals.
         distances: Reader of the distances of links.
-        declared: Function of a declared sensor's signal and its size that returns its reader.
-        modelled: Function of a model's signal and its size that returns its reader.
+        declared: Function of a declared sensor's or a model's signal and its size that returns its
+            reader.
     """
 
     def __init__(
@@ -42,8 +42,7 @@ class Binders:
         sensors: SensorReaders,
         predicted: PredictedSignals,
         distances: LinkDistances,
-        declared: Callable[[sources.SensorSignal, int], Reader],
-        modelled: Callable[[sources.ModelSignal, int], Reader],
+        declared: Callable[[sources.SensorSignal | sources.ModelSignal, int], Reader],
     ) -> None:
         self._rows, self._sight = rows, sensors.sight
         touch, sight, blobs = sensors.touch, sensors.sight, sensors.blobs
@@ -76,7 +75,7 @@ class Binders:
             sources.AffordanceProbability: self._read_by(predicted.affordance),
             sources.PairLikeness: self._read_by(predicted.likeness),
             sources.SensorSignal: self._declared(declared),
-            sources.ModelSignal: self._declared(modelled),
+            sources.ModelSignal: self._declared(declared),
         }
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:

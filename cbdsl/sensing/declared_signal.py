@@ -16,49 +16,31 @@ from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import ModelSignal, SensorSignal
 
 
-def sensor_reader(
-    signal: SensorSignal, size: int, joints: int, signals: Any
+def declared_reader(
+    signal: SensorSignal | ModelSignal, size: int, joints: int, signals: Any
 ) -> Callable[[], Reading | None]:
-    """Return the reader of a sensor whose kind comes from another package; see ``_guarded``."""
-    place, name = SOURCES.get(signal.kind).reader, f"the sensor {signal.sensor}"
-    return _guarded(
-        place, partial(SOURCES.fault, signal.kind), name, (signal, signals), size, joints
-    )
-
-
-def model_reader(
-    signal: ModelSignal, size: int, joints: int, signals: Any
-) -> Callable[[], Reading | None]:
-    """Return the reader of a model whose kind comes from another package; see ``_guarded``."""
-    failed, name = partial(KINDS.fault, signal.kind), f"the model {signal.model}"
-    return _guarded(signal.reader, failed, name, (signal, signals), size, joints)
-
-
-def _guarded(
-    place: str,
-    failed: Callable[[str], Exception],
-    name: str,
-    arguments: tuple[Any, Any],
-    size: int,
-    joints: int,
-) -> Callable[[], Reading | None]:
-    """Return a reader whose errors name the package.
+    """Return the reader of a sensor or model from another package, whose errors name the package.
 
     Args:
-        place: Place of the package's function, ``module:function``.
-        failed: Function that returns the error of the package for a reason.
-        name: Name of the sensor or model in messages.
-        arguments: Signal, and signals of the robot.
+        signal: Signal of the sensor or model.
         size: Number of components of the value.
         joints: Number of columns of the Jacobian, if there is one.
+        signals: Signals of the robot.
 
     Raises:
         PluginError: The package's function raises. The reader also raises it, or SensorError if a
             value is not finite.
     """
+    if isinstance(signal, ModelSignal):
+        place, name = signal.reader, f"the model {signal.model}"
+        failed = partial(KINDS.fault, signal.kind)
+    else:
+        place, name = SOURCES.get(signal.kind).reader, f"the sensor {signal.sensor}"
+        failed = partial(SOURCES.fault, signal.kind)
     module, function = place.split(":")
     try:
-        reader: Callable[[], Reading | None] = getattr(import_module(module), function)(*arguments)
+        make = getattr(import_module(module), function)
+        reader: Callable[[], Reading | None] = make(signal, signals)
     except Exception as error:
         raise failed(f"{type(error).__name__}: {error}") from error
 

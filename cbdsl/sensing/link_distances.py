@@ -12,6 +12,7 @@ from cbdsl.kinematics.nearest_links import NearestLinks
 from cbdsl.numeric.arrays import Integers
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import LinkDistance, Resource
+from cbdsl.types.source_record import sources_of
 
 
 class LinkDistances:
@@ -53,9 +54,8 @@ class LinkDistances:
 
     def pair(self, resource: Resource) -> str:
         """Return the names of the links that were nearest at the last reading, or no text."""
-        source = resource.source
-        links = self._links.get(source) if isinstance(source, LinkDistance) else None
-        return links.pair if links else ""
+        read = [self._links.get(source) for source in sources_of([resource], LinkDistance)]
+        return next((links.pair for links in read if links), "")
 
     @property
     def clauses(self) -> tuple[str, ...]:

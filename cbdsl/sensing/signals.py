@@ -12,7 +12,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
 from cbdsl.sensing.binders import Binders
-from cbdsl.sensing.declared_signal import model_reader, sensor_reader
+from cbdsl.sensing.declared_signal import declared_reader
 from cbdsl.sensing.density import Sampler, joint_sampler
 from cbdsl.sensing.link_distances import LinkDistances
 from cbdsl.sensing.observation import Observation
@@ -95,8 +95,7 @@ class Signals:
             self.sensors,
             predicted,
             self.distances,
-            lambda signal, size: sensor_reader(signal, size, len(self.joints), self),
-            lambda signal, size: model_reader(signal, size, len(self.joints), self),
+            lambda signal, size: declared_reader(signal, size, len(self.joints), self),
         )
         self.follow(resources)
         self.reset()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cbdsl.robot.source_kind import SOURCES
-from cbdsl.sensing.declared_signal import sensor_reader
+from cbdsl.sensing.declared_signal import declared_reader
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.registry import PluginError
@@ -37,7 +37,7 @@ def read(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Reading | None]:
             return sensor
 
         monkeypatch.setitem(globals(), "made", build)
-        return sensor_reader(signal, 2, JOINTS, signals)()  # type: ignore[arg-type]
+        return declared_reader(signal, 2, JOINTS, signals)()  # type: ignore[arg-type]
 
     return make
 
@@ -83,4 +83,4 @@ def test_exception_of_a_reader_names_the_package(
         read(broken)
     with pytest.raises(PluginError, match="wrist: TypeError"):
         monkeypatch.setitem(globals(), "made", None)
-        sensor_reader(SimpleNamespace(kind="wrist", sensor="left"), 2, JOINTS, None)  # type: ignore[arg-type]
+        declared_reader(SimpleNamespace(kind="wrist", sensor="left"), 2, JOINTS, None)  # type: ignore[arg-type]
