@@ -155,7 +155,7 @@ def _guarded(
     urdf: Path,
     clearance: str | None,
 ) -> CheckedProgram:
-    """Return a program with a given clearance, and with the fixtures to keep away from.
+    """Return a program with a given clearance, and with the fixtures that matter to its links.
 
     Raises:
         UsageError: The clearance is not a length above 0, the stage has no such fixture, or a link
