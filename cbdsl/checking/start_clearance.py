@@ -6,6 +6,10 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.types.resource import LinkDistance
 
+# Validation needs no engine, and a run checks again; faults of a document have findings of their
+# own.
+_LEFT = ImportError, UrdfError, KeyError
+
 
 def unkept_clearance(robot: RobotDocument, model: UrdfModel, least: float) -> str:
     """Return a clause about the links that start too near each other, or an empty text.
@@ -20,21 +24,17 @@ def unkept_clearance(robot: RobotDocument, model: UrdfModel, least: float) -> st
         return ""
     try:
         from cbdsl.kinematics.link_clearance import too_near_at_start  # imports numpy
-    except ImportError:
-        return ""  # validation needs no engine, and a run checks again
-    try:
+
         return too_near_at_start(robot, model, least)
-    except (UrdfError, KeyError):
-        return ""  # faults of the document, which have findings of their own
+    except _LEFT:
+        return ""
 
 
 def is_measured(robot: RobotDocument, model: UrdfModel, source: LinkDistance) -> bool:
     """Return whether links have the shapes for a distance, which a run checks again."""
     try:
         from cbdsl.kinematics.nearest_links import NearestLinks  # imports numpy
-    except ImportError:
-        return True
-    try:
+
         return NearestLinks(robot, model, source).are_known
-    except (UrdfError, KeyError):
-        return True  # faults of the document, which have findings of their own
+    except _LEFT:
+        return True

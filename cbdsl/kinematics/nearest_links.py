@@ -26,6 +26,7 @@ class NearestLinks:
     Attributes:
         pair: Names of the links that were nearest at the last measurement.
         distance: Their distance, m, 0 in contact.
+        are_known: True if a pair of links has shapes and can come near each other.
 
     Args:
         robot: Robot document.
@@ -45,27 +46,20 @@ class NearestLinks:
         is_effector, own = self._other in robot.all_effectors, set(robot.joints(source.effector))
         joints = set(robot.joints(self._other)) if is_effector else set[str]()
 
-        def is_of(link: str, moving: set[str]) -> bool:
-            return any(joint.name in moving for joint in model.way(link))
+        def sides(link: str) -> tuple[bool, bool]:
+            moving = {joint.name for joint in model.way(link)}
+            is_other = self._other in ("", link) or not moving.isdisjoint(joints)
+            return not moving.isdisjoint(own), is_other
 
         def is_meant(one: str, other: str) -> bool:
-            ends = (one, other), (other, one)
-            if joints and all(is_of(end, own) and is_of(end, joints) for end in ends[0]):
-                return False
-            return any(
-                is_of(first, own)
-                and (self._other in ("", second) or (bool(joints) and is_of(second, joints)))
-                for first, second in ends
-            )
+            (own_one, other_one), (own_two, other_two) = sides(one), sides(other)
+            is_of_both = bool(joints) and own_one and other_one and own_two and other_two
+            return ((own_one and other_two) or (own_two and other_one)) and not is_of_both
 
         is_added = source.is_fixture or source.features
         places = {self._other: hulls.get(self._other, FAR)} if is_added else {}
         self._links = LinkClearance(with_places(robot, places), model, 0.0, 1.0, counts=is_meant)
-
-    @property
-    def are_known(self) -> bool:
-        """True if a pair of links has shapes and can come near each other."""
-        return bool(self._links.names)
+        self.are_known = bool(self._links.names)
 
     def place(self, centre: Floats, radius: float) -> None:
         """Move the other body, a ball, to a place in the world frame, m, shape (3,)."""
@@ -79,14 +73,11 @@ class NearestLinks:
         """
         arrays = self._links.arrays
         self._links.measure(positions)
-        while not arrays.pairs["near"].any():  # as an object far away
+        while not arrays.pairs["near"].any():  # such as those of an object far away
             arrays.bounds[1], arrays.at[:] = 2.0 * arrays.bounds[1], math.nan
             self._links.measure(positions)
-        distances = np.where(arrays.pairs["near"], arrays.pairs["distance"], np.inf)
-        number = int(np.argmin(distances))
-        self.distance, self.pair = (
-            max(float(distances[number]), 0.0),
-            " and ".join(self._links.names[number]),
-        )
+        number = int(np.argmin(np.where(arrays.pairs["near"], arrays.pairs["distance"], np.inf)))
+        self.distance = max(float(arrays.pairs["distance"][number]), 0.0)
+        self.pair = " and ".join(self._links.names[number])
         arrays.bounds[1] = self.distance + _SLACK
         return self._links.slope(number)

@@ -39,7 +39,7 @@ class LinkDistances:
         self._links: dict[LinkDistance, NearestLinks] = {}
 
     def read(self, source: LinkDistance) -> Reading | None:
-        """Return the distance, m, and its slope; ``None`` while the other body is not seen."""
+        """Return the distance, m, and its slope; ``None`` without a pair, or an unseen object."""
         links = self._links.get(source)
         if links is None:
             model = self._kinematics.model
@@ -49,6 +49,8 @@ class LinkDistances:
             if seen is None:
                 return None
             links.place(seen.value, seen.radius)
+        if not links.are_known:
+            return None
         slope = links.measure(self._kinematics.positions)
         return Reading(np.array([links.distance]), slope[None], int(self._clock[0]))
 

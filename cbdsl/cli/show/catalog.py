@@ -98,13 +98,7 @@ def _icon(catalog: CatalogDocument) -> str:
 
 
 def _predict(
-    name: str,
-    stage: str,
-    scenes: int,
-    seed: int,
-    backend: str,
-    cameras: str | None,
-    as_json: bool,
+    name: str, stage: str, scenes: int, seed: int, backend: str, cameras: str | None, as_json: bool
 ) -> None:
     def tell(prediction: Prediction) -> None:
         if not as_json:

@@ -16,16 +16,7 @@ from cbdsl.sensing.table.refresh import CONFIGURATION, LENGTH, MANIPULATOR, MIXT
 from cbdsl.sensing.table.signal_rows import SignalRows
 from cbdsl.sensing.table.table import Form, RowPart
 from cbdsl.sensing.table.tips import Tips
-from cbdsl.types.resource import (
-    Centroid,
-    EffectorConfiguration,
-    GraspCentre,
-    Opening,
-    Posture,
-    Separation,
-    Tip,
-    Turned,
-)
+from cbdsl.types import resource as sources
 
 
 class KinematicRows:
@@ -44,14 +35,14 @@ class KinematicRows:
 
     def joints(self, effector: str) -> int:
         """Return the row of an effector's joint positions, rad."""
-        return self.configuration(EffectorConfiguration(effector))
+        return self.configuration(sources.EffectorConfiguration(effector))
 
     def links(self, links: Sequence[str]) -> int:
         """Return the row of the mean position of some links' frames, m, world frame."""
         return self._rows.bound(("links", *links), lambda: self._bind_links(links))
 
     def tip_off(
-        self, source: Tip, facing: int, standoff: tuple[float, float, float] | Standoff
+        self, source: sources.Tip, facing: int, standoff: tuple[float, float, float] | Standoff
     ) -> int:
         """Return the row of a tip whose control point stands off along its z axis.
 
@@ -80,12 +71,12 @@ class KinematicRows:
         key = "manipulator", effector, part, *joints
         return self._rows.bound(key, lambda: self._rows.bind(form))
 
-    def configuration(self, source: EffectorConfiguration) -> int:
+    def configuration(self, source: sources.EffectorConfiguration) -> int:
         """Return the row of an effector's joint positions, rad."""
-        key = EffectorConfiguration, source
+        key = sources.EffectorConfiguration, source
         return self._rows.bound(key, lambda: self._bind_configuration(source))
 
-    def posture(self, source: Posture) -> int:
+    def posture(self, source: sources.Posture) -> int:
         """Return a new row of the joint positions of a declared posture, rad."""
         angles = [
             angle
@@ -94,31 +85,31 @@ class KinematicRows:
         ]
         return self._bind_constant(angles)
 
-    def turned(self, source: Turned) -> int:
+    def turned(self, source: sources.Turned) -> int:
         """Return a new row of the joint positions of a derived posture, rad."""
         effector = source.effector
         if effector not in self._turned:
             self._turned[effector] = TurnedPosture(self._robot, self._kinematics, effector).find()
         return self._bind_constant(self._turned[effector])
 
-    def tip(self, source: Tip) -> int:
+    def tip(self, source: sources.Tip) -> int:
         """Return the row of an effector's tip, or of a group's tips in sequence."""
-        return self._rows.bound((Tip, source), lambda: self._bind_tip(source))
+        return self._rows.bound((sources.Tip, source), lambda: self._bind_tip(source))
 
-    def centroid(self, source: Centroid) -> int:
+    def centroid(self, source: sources.Centroid) -> int:
         """Return a new row of the mean position of a group's tips, m, world frame."""
         members = self._robot.members(source.group)
         return self._bind_mixture(members, [1.0 / len(members)] * len(members), 0)
 
-    def separation(self, source: Separation) -> int:
+    def separation(self, source: sources.Separation) -> int:
         """Return a new row of the vector from a group's first tip to its second, m, world frame."""
         return self._bind_mixture(self._robot.members(source.group), [-1.0, 1.0], 0)
 
-    def grasp_centre(self, source: GraspCentre) -> int:
+    def grasp_centre(self, source: sources.GraspCentre) -> int:
         """Return a new row of the point between opposing fingertips, m, world frame."""
         return self._bind_opposed(source.hand, (0.5, 0.5))
 
-    def opening(self, source: Opening) -> int:
+    def opening(self, source: sources.Opening) -> int:
         """Return a new row of the distance between opposing fingertips, m."""
         apart = self._bind_opposed(source.hand, (-1.0, 1.0))
         # Other joints of the hand, such as a spread of the fingers, do not close it.
@@ -153,20 +144,20 @@ class KinematicRows:
         part = RowPart(link.frame, link.position, link.rotation.ravel(), link.support)
         return self._rows.bind(Form(TIP, 3, 3, (part,)))
 
-    def _bind_configuration(self, source: EffectorConfiguration) -> int:
+    def _bind_configuration(self, source: sources.EffectorConfiguration) -> int:
         columns = self._kinematics.joints.of(source.effector).tolist()
         number = self._rows.bind(Form(CONFIGURATION, len(columns), len(columns), (), columns))
         self._rows.table.rows(number)[np.arange(len(columns)), columns] = 1.0
         return number
 
-    def _bind_tip(self, source: Tip) -> int:
+    def _bind_tip(self, source: sources.Tip) -> int:
         members = self._robot.members(source.effector)
         if members == (source.effector,):
             return self._bind_point(source, -1, (0.0, 0.0, 0.0))
         return self._bind_mixture(members, [1.0] * len(members), 3)
 
     def _bind_point(
-        self, source: Tip, facing: int, standoff: tuple[float, float, float] | Standoff
+        self, source: sources.Tip, facing: int, standoff: tuple[float, float, float] | Standoff
     ) -> int:
         linear, angular = source.part != "orientation", source.part != "position"
         form = Form(
@@ -177,7 +168,7 @@ class KinematicRows:
 
     def _bind_mixture(self, members: Sequence[str], weights: Sequence[float], shift: int) -> int:
         """Return a row of weighted tip positions, each ``shift`` components after the previous."""
-        tips = [self.tip(Tip(member, "position")) for member in members]
+        tips = [self.tip(sources.Tip(member, "position")) for member in members]
         parts = [
             RowPart(source=tip, weight=weight, shift=shift * place)
             for place, (tip, weight) in enumerate(zip(tips, weights, strict=True))
