@@ -12,7 +12,7 @@ from cbdsl.checking.sound_controllers import SoundControllers
 from cbdsl.checking.start_clearance import is_measured
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
-from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown, all_known
 from cbdsl.documents.program import ControllerSection, ProgramDocument
 from cbdsl.language.expression import Expression, Span, Term
 from cbdsl.language.parser import LookAlikeError, parse
@@ -148,13 +148,9 @@ class ProgramContext:
 
     def _distance(self, name: str, own: str, other: str, steps: Steps) -> Outcome[Resource]:
         """Return the distance between the links of an effector and others, or all others."""
-        body, place, features = self.body, self.source.place(*steps), list[Resource]()
-        if "." in other:
-            seen = self.resource(other, steps)
-            if isinstance(seen, Unknown) or body.model is None:
-                return UNKNOWN
-            features.append(seen)
-        if body.model is None:
+        body, place = self.body, self.source.place(*steps)
+        features = all_known([self.resource(other, steps)] if "." in other else [])
+        if isinstance(features, Unknown) or body.model is None:
             return UNKNOWN
         is_effector = other in body.document.all_effectors
         links = body.moved_links(own) + (body.moved_links(other) if is_effector else [])

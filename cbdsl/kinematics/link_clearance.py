@@ -143,8 +143,8 @@ class LinkClearance:
     @property
     def start(self) -> Floats:
         """Positions of the actuated joints at the start of an episode, rad or m, shape (n,)."""
-        limits = [self._model.joints[name] for name in self.joints.names]
-        positions = np.array([min(max(0.0, each.lower), each.upper) for each in limits])
+        joints = [self._model.joints[name] for name in self.joints.names]
+        positions = np.array([min(max(0.0, each.lower), each.upper) for each in joints])
         for name, posture in self._robot.start_postures.items():
             positions[self.joints.of(name)] = posture
         return positions

@@ -42,24 +42,23 @@ class NearestLinks:
         source: LinkDistance,
         hulls: Mapping[str, HullSection] = MappingProxyType({}),
     ) -> None:
-        self._other, self.pair, self.distance = source.other, "", math.inf
-        is_effector, own = self._other in robot.all_effectors, set(robot.joints(source.effector))
-        joints = set(robot.joints(self._other)) if is_effector else set[str]()
+        other = self._other = source.other
+        own, members = set(robot.joints(source.effector)), robot.all_effectors
+        joints = set(robot.joints(other)) if other in members else set[str]()
 
         def sides(link: str) -> tuple[bool, bool]:
             moving = {joint.name for joint in model.way(link)}
-            is_other = self._other in ("", link) or not moving.isdisjoint(joints)
+            is_other = other in ("", link) or not moving.isdisjoint(joints)
             return not moving.isdisjoint(own), is_other
 
-        def is_meant(one: str, other: str) -> bool:
-            (own_one, other_one), (own_two, other_two) = sides(one), sides(other)
+        def is_meant(one: str, two: str) -> bool:
+            (own_one, other_one), (own_two, other_two) = sides(one), sides(two)
             is_of_both = bool(joints) and own_one and other_one and own_two and other_two
             return ((own_one and other_two) or (own_two and other_one)) and not is_of_both
 
-        is_added = source.is_fixture or source.features
-        places = {self._other: hulls.get(self._other, FAR)} if is_added else {}
+        places = {other: hulls.get(other, FAR)} if source.is_fixture or source.features else {}
         self._links = LinkClearance(with_places(robot, places), model, 0.0, 1.0, counts=is_meant)
-        self.are_known = bool(self._links.names)
+        self.are_known, self.pair, self.distance = bool(self._links.names), "", math.inf
 
     def place(self, centre: Floats, radius: float) -> None:
         """Move the other body, a ball, to a place in the world frame, m, shape (3,)."""

@@ -31,8 +31,7 @@ class Binders:
         sensors: Readers of the sensors.
         predicted: Reader of predicted signals.
         distances: Reader of the distances of links.
-        declared: Function of a declared sensor's or a model's signal and its size that returns its
-            reader.
+        declared: Function of a sensor's or model's signal and its size that returns its reader.
     """
 
     def __init__(

@@ -56,8 +56,7 @@ class LinkDistances:
 
     def pair(self, resource: Resource) -> str:
         """Return the names of the links that were nearest at the last reading, or no text."""
-        read = [self._links.get(source) for source in sources_of([resource], LinkDistance)]
-        return next((links.pair for links in read if links), "")
+        return next((self._links[each].pair for each in sources_of([resource], LinkDistance)), "")
 
     @property
     def clauses(self) -> tuple[str, ...]:
