@@ -25,7 +25,7 @@ class NearestLinks:
 
     Attributes:
         pair: Names of the links that were nearest at the last measurement.
-        distance: Their distance, m, 0 in contact.
+        distance: Least distance, m, 0 in contact.
         are_known: True if a pair of links has shapes and can come near each other.
 
     Args:

@@ -191,7 +191,7 @@ def clear(tick: Tick) -> list[float]:
         ("stereo.rad", "has no resource 'stereo.rad'"),
     ],
 )
-def test_distance_of_what_is_not_there_is_one_finding(tmp_path: Path, name: str, says: str) -> None:
+def test_distance_of_an_absent_body_is_one_finding(tmp_path: Path, name: str, says: str) -> None:
     path = tmp_path / "near.yaml"
     path.write_text(
         NEAR.format(condition=f"$arm.from.{name} < 10 cm", y=0, z=0, stage="absent"), "utf-8"
