@@ -9,6 +9,7 @@ import typer
 
 from cbdsl.cli.arguments.options import Open, Recording
 from cbdsl.cli.episodes.pages import open_page, require_room, write_page
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
 
 Out = Annotated[
@@ -46,5 +47,8 @@ def _write(recording: Path, target: Path, follow: bool) -> Path:
     from cbdsl.reporting.page import page
     from cbdsl.reporting.recorded import read_recording
 
-    write_page(page(read_recording(recording)), target, follow=follow)
+    recorded = read_recording(recording)
+    write_page(page(recorded), target, follow=follow)
+    if change := recorded.program_change():
+        print_line(change)
     return target

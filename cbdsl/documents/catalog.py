@@ -140,6 +140,8 @@ class CatalogProvenance(Section):
     """Program of each action."""
     policies: dict[Name, Sha256] = {}
     """Learned policies within these programs, by name."""
+    shared: dict[Name, Sha256] = {}
+    """Shared documents that these programs take up, by name."""
     relations: Identity | None = None
     """Relations that named the measured contacts."""
     robot: Identity

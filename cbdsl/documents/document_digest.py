@@ -18,11 +18,14 @@ class ProgramDigest(NamedTuple):
             programs, with the models of the policy, by name.
         programs: SHA-256 of each other program that may replace this one or a member of it, with
             all that it uses, by name.
+        shared: SHA-256 of each shared document that it takes up, by name. They explain a change of
+            ``sha256``, which has the parts that the program calls.
     """
 
     sha256: str
     policies: Mapping[str, str]
     programs: Mapping[str, str]
+    shared: Mapping[str, str] = {}
 
 
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:

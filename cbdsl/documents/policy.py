@@ -35,6 +35,8 @@ class Provenance(Section):
     """Learned policies within the program, by name, each with its models."""
     programs: dict[Name, Sha256] = {}
     """Other programs that allocations may use instead, by name, each with all that it uses."""
+    shared: dict[Name, Sha256] = {}
+    """Shared documents that the programs take up, by name."""
     earlier: Identity | None = None
     """Earlier knowledge of the same kind from which the learning went on."""
     parameters: dict[Name, str] = {}

@@ -88,6 +88,18 @@ class Recorded:
             rows.append({**each, "words": words})
         return rows
 
+    def program_change(self) -> str:
+        """Return a clause if the recorded program has changed since, or is missing; else empty."""
+        from cbdsl.checking.knowledge.staleness import program_change
+        from cbdsl.yaml_text.library import Library
+
+        file, sha256 = self.summary.get("source", ("", ""))
+        if not file:
+            return ""
+        robot, shared = self.summary["robot"]["name"], self.summary.get("shared", {})
+        change = program_change(Path(file), robot, sha256, shared, Library())
+        return f"{change}; names are those of the recording" if change else ""
+
     def members(self, transition: Mapping[str, Any]) -> Sequence[str]:
         """Return the members that the characters of a transition's states stand for."""
         use = transition.get("use", "")

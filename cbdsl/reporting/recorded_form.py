@@ -149,6 +149,7 @@ class _Transition(BaseModel, strict=True):
 class _Summary(BaseModel, strict=True):
     result: _Result
     source: list[str] = ["", ""]
+    shared: dict[str, str] = {}
     joints: list[str]
     controllers: list[str]
     load_cells: list[str]

@@ -98,7 +98,8 @@ class Recording(EpisodeObserver):
         robot: Robot that it runs on.
         urdf: Path of the robot's URDF model.
         scenery: Function that returns the state of the world, for display only.
-        source: File and digest of the program, by which a later change is noticed.
+        source: File and digest of the program, and digests of the shared documents that it takes
+            up, by which a later change is noticed.
         automata: Steps and exits of the programs by name, as data.
     """
 
@@ -108,7 +109,7 @@ class Recording(EpisodeObserver):
         robot: RobotDocument,
         urdf: Path,
         scenery: Callable[[], WorldState] | None = None,
-        source: tuple[str, str] = ("", ""),
+        source: tuple[str, str, Mapping[str, str]] = ("", "", MappingProxyType({})),
         automata: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         self._source, self._automata = source, automata
@@ -270,7 +271,8 @@ class Recording(EpisodeObserver):
             "kind": "recording",
             "version": VERSION,
             "result": asdict(result),
-            "source": self._source,
+            "source": self._source[:2],
+            "shared": dict(self._source[2]),
             "joints": self._joints,
             "controllers": list(self._controllers),
             "load_cells": self._cells,

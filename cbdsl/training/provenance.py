@@ -70,6 +70,7 @@ def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: s
         program=Identity(name=program.name, sha256=setting.digest.sha256),
         policies=dict(setting.digest.policies),
         programs=dict(setting.digest.programs),
+        shared=dict(setting.digest.shared),
         earlier=None if trial.earlier is None else _identity(trial.earlier),
         parameters=dict(program.parameters),
         actions=tuple(action.name for action in program.actions),

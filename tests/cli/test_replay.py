@@ -139,3 +139,47 @@ def test_replay_without_numpy_names_the_extra(
     monkeypatch.setitem(sys.modules, "numpy", None)
     assert cb(monkeypatch, folder / "episode_0.json") == 2
     assert "pip install 'cbdsl[sim]'" in capsys.readouterr().err
+
+
+SHARED = """\
+cbdsl: 1
+kind: shared
+name: still
+robot: dexter
+controllers:
+  ahead: {potential: spring, reference: head.ahead, feedback: head, effector: head}
+"""
+PROGRAM = """\
+cbdsl: 1
+kind: program
+name: look_ahead
+robot: dexter
+stage: absent
+shared: {still: [ahead]}
+actions: [ahead]
+"""
+
+
+def test_replay_names_the_shared_document_by_which_the_program_has_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shared, program = Path("programs/shared/still.yaml"), Path("programs/look_ahead.yaml")
+    shared.parent.mkdir(parents=True)
+    shared.write_text(SHARED, "utf-8")
+    program.write_text(PROGRAM, "utf-8")
+    words = ("--backend", "kinematic", "--record", "tapes")
+    assert test_main.cb(monkeypatch, "run", "look_ahead", *words) == 0
+
+    def told() -> str:
+        capsys.readouterr()
+        assert cb(monkeypatch, "tapes") == 0
+        return capsys.readouterr().out
+
+    assert "changed" not in told()
+    shared.write_text(SHARED.replace("effector: head}", "effector: head, gain: 3 /s}"), "utf-8")
+    assert "look_ahead.yaml has changed since by shared document 'still'" in told()
+    shared.unlink()
+    assert "look_ahead.yaml has changed since, and has errors now" in told()
+    program.unlink()
+    assert "look_ahead.yaml is not there any more" in told()

@@ -6,11 +6,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.document import Document
 from cbdsl.documents.document_digest import ProgramDigest, digest
+from cbdsl.documents.kinds import kind_name
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.shared import SharedDocument
 from cbdsl.program.steps import compiled
 from cbdsl.storage.digest import digest_of_text
 from cbdsl.yaml_text.library import Library
@@ -38,6 +41,7 @@ class _Bound:
     def __init__(self, library: Library, robot: str = "") -> None:
         self.library, self._robot = library, robot
         self._session: Session | None = None
+        self.shared: dict[str, str] = {}
 
     def program(self, path: Path) -> ProgramDocument:
         """Return a program with its policy over states, so that knowledge outlives its notation."""
@@ -48,6 +52,9 @@ class _Bound:
 
             self._session = self._session or Session(self.library)
             loaded = without_roles(loaded, self._robot, self._session)
+        for name in loaded.document.shared:
+            file = _document_file(SharedDocument, name, path, self.library)
+            self.shared[name] = digest(self.library.read(file, SharedDocument).document)
         self._robot = self._robot or loaded.document.robot
         return compiled(loaded.document)
 
@@ -69,7 +76,7 @@ def program_digest(path: Path, library: Library, robot: str = "") -> ProgramDige
         name: policy_digest(name, path, library)
         for name in sorted(_policies(document, path, reader))
     }
-    return ProgramDigest(digest_of_text(whole), policies, programs={})
+    return ProgramDigest(digest_of_text(whole), policies, {}, dict(sorted(reader.shared.items())))
 
 
 def policy_digest(name: str, beside: Path, library: Library) -> str:
@@ -184,5 +191,6 @@ def _learned(name: str, beside: Path, library: Library) -> str:
 
 def _document_file(kind: type[Document], name: str, beside: Path, library: Library) -> Path:
     path = library.find(kind, name, beside)
-    assert path is not None, "a program without findings names documents that are there"
+    if path is None:  # a program without diagnostics names documents that exist
+        raise UsageError.unknown(kind_name(kind), name, library.names(kind, beside))
     return path

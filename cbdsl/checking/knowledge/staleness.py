@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from cbdsl.checking.knowledge.program_digest import policy_digest, program_digest
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.document import Document
-from cbdsl.documents.document_digest import digest
+from cbdsl.documents.document_digest import ProgramDigest, digest
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.policy import Identity, PolicyDocument
 from cbdsl.documents.program import ProgramDocument
@@ -43,11 +44,16 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
         yield "its provenance is missing"
         return
     single, several = getattr(provenance, "program", None), getattr(provenance, "programs", {})
+    shared: dict[str, None] = {}
     for identity in dict.fromkeys([single, *several.values()]):
         if not isinstance(identity, Identity):
             continue
-        if _program(identity, path, library, provenance.robot.name) != identity.sha256:
+        file = library.find(ProgramDocument, identity.name, path)
+        now = file and program_digest(file, library, provenance.robot.name)
+        if now is None or now.sha256 != identity.sha256:
             yield f"program {identity.name}"
+            shared |= dict.fromkeys(_changed_shared(provenance.shared, now))
+    yield from (f"shared {name}" for name in shared)
     for name, sha256 in provenance.policies.items():
         if _policy(name, path, library) != sha256:
             yield f"policy {name}"
@@ -55,6 +61,36 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
         if relations and _digest(RelationsDocument, relations, path, library) != relations.sha256:
             yield f"relations {relations.name}"
     yield from _changed_world(provenance, path, library)
+
+
+def program_change(
+    file: Path, robot: str, sha256: str, shared: Mapping[str, str], library: Library
+) -> str:
+    """Return a clause if a recorded program has changed since, or is missing; else empty.
+
+    Args:
+        file: File of the program; it may have errors now.
+        robot: Robot that ran it.
+        sha256: Recorded digest of the program.
+        shared: Recorded digests of the shared documents that it took up, by name.
+        library: Library that finds documents by name.
+    """
+    if not file.is_file():
+        return f"{file} is not there any more"
+    try:
+        now = program_digest(file, library, robot)
+    except (DiagnosticsError, UsageError):
+        return f"{file} has changed since, and has errors now"
+    if now.sha256 == sha256:
+        return ""
+    names = [f"shared document '{name}'" for name in _changed_shared(shared, now)]
+    return f"{file} has changed since{' by ' if names else ''}{', '.join(names)}"
+
+
+def _changed_shared(before: Mapping[str, str], now: ProgramDigest | None) -> list[str]:
+    """Return the names of changed shared documents; none if the earlier ones are unknown."""
+    after = {} if now is None else now.shared
+    return [name for name in {**before, **after} if before and before.get(name) != after.get(name)]
 
 
 def _changed_world(provenance: Any, path: Path, library: Library) -> Iterator[str]:
@@ -65,11 +101,6 @@ def _changed_world(provenance: Any, path: Path, library: Library) -> Iterator[st
     for stage in dict.fromkeys([provenance.stage, *(each.stage for each in joined)]):
         if _digest(StageDocument, stage, path, library) != stage.sha256:
             yield f"stage {stage.name}"
-
-
-def _program(identity: Identity, path: Path, library: Library, robot: str) -> str | None:
-    file = library.find(ProgramDocument, identity.name, path)
-    return None if file is None else program_digest(file, library, robot).sha256
 
 
 def _policy(name: str, path: Path, library: Library) -> str | None:

@@ -77,7 +77,8 @@ class Recorder:
         backend, request = self._backend, self._request
         # The backend's ground truth is only in the recording, for display.
         scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
-        source = str(request.program_file.resolve()), request.digest.sha256
+        digest = request.digest
+        source = str(request.program_file.resolve()), digest.sha256, digest.shared
         recording = Recording(
             request.program, request.robot, request.urdf, scenery, source, self._automata
         )

@@ -18,6 +18,7 @@ def show_knowledge(
     """Show learned documents of this folder or of the package, and which are stale.
 
     A document is stale if its program, robot, stage or a policy has changed since it was learned.
+    Shared documents that changed a program are listed with it.
     """
     form = read_format(format_, as_json, PLAIN)
     rows = _rows()

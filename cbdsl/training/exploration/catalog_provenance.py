@@ -71,6 +71,7 @@ def catalog_provenance(
             for name, each in explored.items()
         },
         policies={k: v for each in explored.values() for k, v in each.digest.policies.items()},
+        shared={k: v for each in explored.values() for k, v in each.digest.shared.items()},
         robot=_identity(inputs.robot),
         stage=_identity(inputs.stage),
         algorithm=algorithm,

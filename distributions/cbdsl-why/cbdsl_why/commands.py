@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from cbdsl import DiagnosticsError, UsageError
+from cbdsl import UsageError
 from cbdsl.extend.command import (
     Open,
     RunOptions,
@@ -22,9 +22,6 @@ from cbdsl.extend.command import (
     write_page,
 )
 from cbdsl_why.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
-
-if TYPE_CHECKING:
-    from cbdsl_why.history import History
 
 What = Annotated[
     str,
@@ -83,7 +80,7 @@ def why(
         for file in files:
             history, diagnosis = diagnosed(file)
             row = diagnosis_row(history, diagnosis)
-            row["changed"] = _changed(history)
+            row["changed"] = history.recorded.program_change()
             if (try_ or apply) and diagnosis.failed:
                 from cbdsl_why.patches import patched
 
@@ -127,26 +124,6 @@ def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
 def _is_recording(what: str) -> bool:
     path = Path(what)
     return path.is_dir() or path.suffix in (".json", ".npz")
-
-
-def _changed(history: History) -> str:
-    """Return a clause if the recorded program has changed since, or is not there; else empty."""
-    from cbdsl.extend.document import Library, RobotDocument, program_digest
-
-    file, sha256 = history.summary.get("source", ("", ""))
-    if not file:
-        return ""
-    if not Path(file).is_file():
-        return f"{file} is not there any more; names are those of the recording"
-    try:
-        library = Library()
-        # A program with roles has a digest for each robot.
-        robots = ("", *library.names(RobotDocument, Path(file)))
-        digests = (program_digest(Path(file), library, each).sha256 for each in robots)
-        same = sha256 in digests
-    except (DiagnosticsError, UsageError):
-        same = False
-    return "" if same else f"{file} has changed since; names are those of the recording"
 
 
 def _text(row: dict[str, Any]) -> str:

@@ -54,6 +54,19 @@ def test_changed_inputs_names_a_changed_document(folder: Path, name: str) -> Non
     assert name not in before
 
 
+def test_changed_inputs_names_a_program_and_the_shared_document_that_changed_it(
+    folder: Path,
+) -> None:
+    file = folder / "programs" / "shared" / "looking.yaml"
+    text = file.read_text("utf-8")
+    unused, used = ("rate: 1e-2", "rate: 2e-2"), ("[0 deg, 0 deg]", "[1 deg, 0 deg]")
+    assert unused[0] in text and used[0] in text
+    file.write_text(text.replace(*unused), "utf-8")
+    assert changed(folder) == []
+    file.write_text(text.replace(*used), "utf-8")
+    assert changed(folder) == ["program pick_and_place", "shared looking"]
+
+
 def test_changed_inputs_of_relations_names_the_earlier_ones(folder: Path) -> None:
     earlier = folder / "knowledge" / "relations" / "touching.yaml"
     text = earlier.read_text("utf-8")
