@@ -10,7 +10,7 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
 from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, Vertex
-from cbdsl.reporting.drawing.layers import Layout, Point, Size, Spacing, lay_out
+from cbdsl.reporting.drawing.layers import Point, Size, Spacing, lay_out
 from cbdsl.reporting.drawing.pictogram import EDGE, LETTERS, PITCH, pictogram, pictograms, width
 
 #: Size of letters, px.
@@ -53,6 +53,8 @@ _PAD = 10
 _MARGIN = 16
 _LOOP = 56
 _NARROWEST = 330
+# Largest number of lines by which rows are moved apart to free labels.
+_WIDER = 12
 _DOWN = Spacing(across=26, down=62, lane=30)
 _START = 26
 _HEAD = 9.0
@@ -160,24 +162,50 @@ class _Panel:
         self._loops = {edge.source: edge for edge in graph.edges if edge.source == edge.target}
         self._arcs = [edge for edge in graph.edges if edge.source != edge.target]
         self._sizes = _sizes(graph, self._loops)
-        down = _spacing([edge.label for edge in self._arcs])
-        self._layout = lay_out(
-            self._sizes,
-            [(edge.source, edge.target) for edge in self._arcs],
-            [node.key for node in graph.nodes if node.started] or [graph.nodes[0].key],
-            down,
-        )
+        ways = [(edge.source, edge.target) for edge in self._arcs]
+        roots = [node.key for node in graph.nodes if node.started] or [graph.nodes[0].key]
+        # Rows part until each label has a free place on its arc.
+        for more in range(_WIDER):
+            down = _spacing([edge.label for edge in self._arcs], more)
+            self._layout = lay_out(self._sizes, ways, roots, down)
+            self._drawn = [_path(self._layout.routes[way]) for way in ways]
+            self._labels, is_free = self._placed_labels()
+            if is_free:
+                break
         started = _START if any(node.started for node in graph.nodes) else 0
         self._above = LINE + max(started, _MARGIN / 2)
-        # A label of several lines may reach beyond the nodes.
-        beside = 2 * _MARGIN if down.down > _DOWN.down else 0
-        self.width = max(self._layout.size.width + beside, _NARROWEST, text_width(graph.title))
+        # A label may reach beyond the nodes.
+        rims = [
+            (each.x - each.width / 2, each.x + each.width / 2) for each in self._labels.values()
+        ]
+        self._left = min((left for left, _ in rims), default=0.0)
+        self._left = min(self._left, 0.0)
+        self._right = max((self._layout.size.width, *(right for _, right in rims)))
+        self.width = max(self._right - self._left, _NARROWEST, text_width(graph.title))
         below = max(2 * _MARGIN, 0.7 * down.down)  # for arcs within the last row
         self.height = self._above + self._layout.size.height + below
 
+    def _placed_labels(self) -> tuple[dict[int, _Label], bool]:
+        """Return the labels by the number of their arc, and true if none overlaps."""
+        nodes = [
+            _Label(*self._layout.centers[key], own.width, own.height + 4)
+            for key, own in self._sizes.items()
+        ]
+        labels: dict[int, _Label] = {}
+        is_free = True
+        # Long labels have the fewest free places.
+        ways = sorted(enumerate(self._arcs), key=lambda way: -way[1].label.count("\n"))
+        for number, arc in ways:
+            if lines := arc.label.splitlines():
+                size = Size(text_width(max(lines, key=len), SMALL), len(lines) * _LABEL)
+                points = self._drawn[number][1]
+                labels[number], found = _label(points, size, [*labels.values(), *nodes])
+                is_free &= found
+        return labels, is_free
+
     def lines(self, top: float, wide: float) -> Iterator[str]:
         """Yield the panel from ``top`` downwards, centred in a width, px."""
-        left = _MARGIN + (wide - self._layout.size.width) / 2
+        left = _MARGIN + (wide - self._left - self._right) / 2
         yield f"<g id={quoteattr(self._key(self.graph))}>"
         yield text(self.graph.title, _MARGIN, top, "name")
         yield f'<g transform="translate({left:.1f} {top + self._above:.1f})">'
@@ -218,28 +246,21 @@ class _Panel:
 
     def _paths(self) -> Iterator[str]:
         """Yield the arcs, and then their labels, so that no arc hides a label."""
-        labels: list[_Label] = []
-        for arc in self._arcs:
-            path, points = _path(self._layout.routes[arc.source, arc.target])
+        for arc, (path, points) in zip(self._arcs, self._drawn, strict=True):
             yield f'<path class="arc" d="{path}" stroke-width="{_thickness(arc):.1f}"/>'
             # The last two samples give the direction in which the arc reaches its node.
             (_, y1), (_, y2) = points[-2:]
             yield _tip(points[-1], 90 if y2 > y1 else -90)
-            if arc.label:
-                lines = arc.label.splitlines()
-                size = Size(text_width(max(lines, key=len), SMALL), len(lines) * _LABEL)
-                place = _label(points, size, labels, self._layout, self._sizes)
-                labels.append(place)
-        for arc, place in zip((arc for arc in self._arcs if arc.label), labels, strict=True):
+        for arc, place in self._labels.items():
             yield _ground(place)
             top = place.y - (place.height - _LABEL) / 2
-            for number, line in enumerate(arc.label.splitlines()):
+            for number, line in enumerate(self._arcs[arc].label.splitlines()):
                 yield text(line, place.x, top + number * _LABEL, "share")
 
 
-def _spacing(labels: Sequence[str]) -> Spacing:
-    """Return the space between rows and their nodes, with room for labels of several lines."""
-    more = max((label.count("\n") for label in labels), default=0)
+def _spacing(labels: Sequence[str], more: int) -> Spacing:
+    """Return the space between rows and their nodes, with room for labels and ``more`` lines."""
+    more += max((label.count("\n") for label in labels), default=0)
     return Spacing(_DOWN.across + 6 * more, _DOWN.down + more * _LABEL, _DOWN.lane)
 
 
@@ -335,21 +356,14 @@ def _on(bow: Sequence[Point], t: float) -> Point:
     return x, y
 
 
-def _label(
-    points: Sequence[Point],
-    size: Size,
-    taken: Sequence[_Label],
-    layout: Layout,
-    sizes: dict[str, Size],
-) -> _Label:
-    """Return a label near the first third of an arc that overlaps no other label and no node."""
+def _label(points: Sequence[Point], size: Size, taken: Sequence[_Label]) -> tuple[_Label, bool]:
+    """Return a label near the first third of an arc, and true if it overlaps no taken place."""
     places = sorted(range(len(points)), key=lambda place: abs(place - len(points) // 3))
     labels = [_Label(*points[place], *size) for place in places]
-    nodes = [_Label(*layout.centers[key], own.width, own.height + 4) for key, own in sizes.items()]
-    # An arc without any free place keeps the preferred one: an overlap is better than a missing
-    # label.
-    free = (each for each in labels if not any(map(each.meets, (*taken, *nodes))))
-    return next(free, labels[0])
+    free = (each for each in labels if not any(map(each.meets, taken)))
+    # An overlap is better than a missing label.
+    label = next(free, None)
+    return label or labels[0], label is not None
 
 
 def _letters(panels: Sequence[_Panel]) -> list[str]:

@@ -86,6 +86,26 @@ def hostile() -> Graph:
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
+def test_svg_has_its_labels_beside_each_other_and_within_the_picture(name: str) -> None:
+    root = ElementTree.fromstring(svg(program_graph(program_of(name))))
+    width = float(root.attrib["width"])
+    for panel in (each for each in root.iter(f"{SVG}g") if "id" in each.attrib):
+        left = float(re.findall(r"[\d.]+", panel.find(f"{SVG}g").attrib["transform"])[0])
+        rectangles = [
+            (each.attrib.get("class", ""), *(float(each.attrib[k]) for k in ("x", "width")),
+             *(float(each.attrib[k]) for k in ("y", "height")))
+            for each in panel.iter(f"{SVG}rect")
+        ]  # fmt: skip
+        labels = [each for each in rectangles if each[0] == "ground"]
+        others = [each for each in rectangles if each[0].endswith("-node")]
+        for place, (_, x, wide, y, tall) in enumerate(labels):
+            assert left + x >= 0 and left + x + wide <= width
+            for _, x2, wide2, y2, tall2 in (*labels[:place], *others):
+                beside = x + wide <= x2 or x2 + wide2 <= x
+                assert beside or y + tall <= y2 + 0.2 or y2 + tall2 <= y + 0.2
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
 def test_svg_holds_its_nodes_without_overlap(name: str) -> None:
     root = ElementTree.fromstring(svg(program_graph(program_of(name))))
     width, height = float(root.attrib["width"]), float(root.attrib["height"])
