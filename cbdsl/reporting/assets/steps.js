@@ -11,6 +11,7 @@ function stepOf(automaton, action) {
   return automaton?.steps.find((step) => step.action === action);
 }
 
+// Name of a program, and of its use if that differs.
 function titleOf({ program, use = "" }) {
   if (use === "" || use === program) return program;
   return use.endsWith(`.${program}`) ? use : `${use} (${program})`;

@@ -65,8 +65,6 @@ function makeTimeline(data, seek) {
   };
 }
 
-// Name of a program, and of its use if that differs.
-
 // One row for the actions of each use of a program and one for each letter of its state.
 function makeStrip(data, parent) {
   const end = data.arrays.time.at(-1), rows = [];
