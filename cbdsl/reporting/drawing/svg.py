@@ -199,8 +199,8 @@ class _Panel:
             if lines := arc.label.splitlines():
                 size = Size(text_width(max(lines, key=len), SMALL), len(lines) * _LABEL)
                 points = self._drawn[number][1]
-                labels[number], found = _label(points, size, [*labels.values(), *nodes])
-                is_free &= found
+                labels[number], is_alone = _label(points, size, [*labels.values(), *nodes])
+                is_free &= is_alone
         return labels, is_free
 
     def lines(self, top: float, wide: float) -> Iterator[str]:
