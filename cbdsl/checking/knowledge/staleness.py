@@ -49,7 +49,7 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
         if not isinstance(identity, Identity):
             continue
         file = library.find(ProgramDocument, identity.name, path)
-        now = file and program_digest(file, library, provenance.robot.name)
+        now = None if file is None else program_digest(file, library, provenance.robot.name)
         if now is None or now.sha256 != identity.sha256:
             yield f"program {identity.name}"
             shared |= dict.fromkeys(_changed_shared(provenance.shared, now))

@@ -251,11 +251,11 @@ class _Panel:
             # The last two samples give the direction in which the arc reaches its node.
             (_, y1), (_, y2) = points[-2:]
             yield _tip(points[-1], 90 if y2 > y1 else -90)
-        for arc, place in self._labels.items():
+        for number, place in self._labels.items():
             yield _ground(place)
             top = place.y - (place.height - _LABEL) / 2
-            for number, line in enumerate(self._arcs[arc].label.splitlines()):
-                yield text(line, place.x, top + number * _LABEL, "share")
+            for row, line in enumerate(self._arcs[number].label.splitlines()):
+                yield text(line, place.x, top + row * _LABEL, "share")
 
 
 def _spacing(labels: Sequence[str], more: int) -> Spacing:
