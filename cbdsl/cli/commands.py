@@ -37,10 +37,7 @@ SUMMARIES = {
 GROUPS = ("show", "new", "export")
 
 #: Modules of commands that are not named like their command.
-_MODULES = {
-    "show": "show.show",
-    "playground": "episodes.playground",
-}
+_MODULES = {"show": "show.show", "playground": "episodes.playground"}
 
 #: Requirements of this project that add commands.
 _PROVIDERS = {

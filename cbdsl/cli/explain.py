@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from cbdsl.diagnostics.entry import Entry
 
 Code = Annotated[
-    str | None,
-    typer.Argument(help="Code of a diagnostic, such as CB504.", autocompletion=codes),
+    str | None, typer.Argument(help="Code of a diagnostic, such as CB504.", autocompletion=codes)
 ]
 All = Annotated[bool, typer.Option("--all", help="Explain all codes.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of documentation.")]

@@ -48,9 +48,7 @@ Stage = Annotated[
 Workers = Annotated[
     int,
     typer.Option(
-        "--workers",
-        min=1,
-        help="Number of parallel processes; the result does not depend on it.",
+        "--workers", min=1, help="Number of parallel processes; the result does not depend on it."
     ),
 ]
 Scheduler = Annotated[

@@ -195,11 +195,7 @@ def _stage(robot: RobotDocument) -> str:
     return f"# stage: one of {robot.name}'s, such as cb new stage NAME --robot {robot.name} writes"
 
 
-def _write(
-    template: DocumentTemplate,
-    values: Mapping[str, str],
-    force: bool,
-) -> NoReturn:
+def _write(template: DocumentTemplate, values: Mapping[str, str], force: bool) -> NoReturn:
     """Write a document and check it."""
     written = template.write(values, force)
     _conclude(template.file, written)

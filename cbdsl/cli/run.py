@@ -206,11 +206,7 @@ def _watch(
 
 
 def _run_all(
-    runner: Runner,
-    request: RunRequest,
-    seeds: Sequence[int],
-    context: str | None,
-    telling: Telling,
+    runner: Runner, request: RunRequest, seeds: Sequence[int], context: str | None, telling: Telling
 ) -> EpisodeTally:
     """Run an episode for each seed, and print a summary at the end."""
     tally = EpisodeTally()

@@ -3,10 +3,7 @@
 import math
 from typing import Annotated, Self
 
-from pydantic import (
-    Field,
-    model_validator,
-)
+from pydantic import Field, model_validator
 
 from cbdsl.documents.document import (
     AngleSpan,

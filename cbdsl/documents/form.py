@@ -3,19 +3,9 @@
 import math
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-from pydantic import (
-    Field,
-    model_validator,
-)
+from pydantic import Field, model_validator
 
-from cbdsl.documents.document import (
-    Angle,
-    Color,
-    Point,
-    Section,
-    Size,
-    SizeSpan,
-)
+from cbdsl.documents.document import Angle, Color, Point, Section, Size, SizeSpan
 from cbdsl.documents.file_section import FileName, FileSection
 
 Side = Literal["-x", "+x", "-y", "+y"]

@@ -2,11 +2,7 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    Field,
-    field_serializer,
-    model_validator,
-)
+from pydantic import Field, field_serializer, model_validator
 
 from cbdsl.documents.context import Context
 from cbdsl.documents.document import (

@@ -21,13 +21,7 @@ from cbdsl.types.state import LETTERS
 
 #: Words for the letters of a member, by its kind.
 WORDS: Mapping[str, Mapping[str, str]] = {
-    "controller": {
-        "undefined": "-",
-        "moving": "0",
-        "at rest": "1s",
-        "arrived": "1",
-        "stuck": "s",
-    },
+    "controller": {"undefined": "-", "moving": "0", "at rest": "1s", "arrived": "1", "stuck": "s"},
     "program": {"failed": "-", "running": "0", "succeeded": "1"},
     "condition": {"undefined": "-", "false": "0", "true": "1"},
 }

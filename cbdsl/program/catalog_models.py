@@ -82,9 +82,7 @@ def _samples(model: SampleModel | None, size: int) -> SampleStatistics:
 
 
 def predict(
-    affordance: AffordanceSection,
-    model: AffordanceModel,
-    ahead: Mapping[str, tuple[float, ...]],
+    affordance: AffordanceSection, model: AffordanceModel, ahead: Mapping[str, tuple[float, ...]]
 ) -> float:
     """Return Pr(reward | f, a) from the features before the action, or Pr(reward | a) without."""
     features = _vector(affordance, model, ahead)
@@ -92,9 +90,7 @@ def predict(
 
 
 def is_known(
-    affordance: AffordanceSection,
-    model: AffordanceModel,
-    ahead: Mapping[str, tuple[float, ...]],
+    affordance: AffordanceSection, model: AffordanceModel, ahead: Mapping[str, tuple[float, ...]]
 ) -> bool:
     """Return whether an action was tried with features like those before the action."""
     features = _vector(affordance, model, ahead)
@@ -102,9 +98,7 @@ def is_known(
 
 
 def _vector(
-    affordance: AffordanceSection,
-    model: AffordanceModel,
-    ahead: Mapping[str, tuple[float, ...]],
+    affordance: AffordanceSection, model: AffordanceModel, ahead: Mapping[str, tuple[float, ...]]
 ) -> Floats | None:
     """Return the components of a model's features, or ``None`` if some are undefined."""
     if not affordance.features or not all(name in ahead for name in affordance.features):

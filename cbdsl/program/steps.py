@@ -7,14 +7,7 @@ from contextlib import suppress
 from typing import Any, NamedTuple
 
 from cbdsl.documents.program import ControllerSection, ProgramDocument, StepSection
-from cbdsl.language.exit import (
-    ENDS,
-    OF_KIND,
-    WORDS,
-    Clause,
-    parse_target,
-    parse_when,
-)
+from cbdsl.language.exit import ENDS, OF_KIND, WORDS, Clause, parse_target, parse_when
 from cbdsl.language.expression import Expression, Span
 from cbdsl.language.parser import parse
 from cbdsl.language.scanner import CompositionError

@@ -47,11 +47,7 @@ class ModelReader:
     """
 
     def __init__(
-        self,
-        file: Path,
-        arguments: Sequence[str],
-        packages: Sequence[str],
-        is_xacro: bool = False,
+        self, file: Path, arguments: Sequence[str], packages: Sequence[str], is_xacro: bool = False
     ) -> None:
         self._file, self._given, self._is_xacro = file, list(packages), is_xacro
         self._arguments = _pairs("--xacro-arg", arguments, ":=")

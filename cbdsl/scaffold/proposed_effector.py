@@ -35,9 +35,7 @@ def offset_of_tip(model: UrdfModel, effector: SemanticGroup) -> Numbers:
 
 
 def between_pads(
-    model: UrdfModel,
-    effectors: Mapping[str, SemanticGroup],
-    hands: Mapping[str, ProposedHand],
+    model: UrdfModel, effectors: Mapping[str, SemanticGroup], hands: Mapping[str, ProposedHand]
 ) -> Iterator[tuple[str, Numbers]]:
     """Yield the arms whose tip is between the pads of the hand that they carry, with its offset."""
     for hand in hands.values():
@@ -120,11 +118,7 @@ def _beyond_tip(model: UrdfModel, arm: SemanticGroup, offset: Numbers) -> float:
 
 
 def effector_lines(
-    name: str,
-    effector: SemanticGroup,
-    offset: Numbers,
-    postures: Postures,
-    values: Sequence[str],
+    name: str, effector: SemanticGroup, offset: Numbers, postures: Postures, values: Sequence[str]
 ) -> str:
     """Return an effector of a document; ``values`` are lines of their own."""
     lengths = ", ".join(f"{each:g} m" for each in offset)

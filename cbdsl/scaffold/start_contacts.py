@@ -120,9 +120,7 @@ def _without_idle_turns(own: Postures) -> Postures:
 
 
 def _touching(
-    contacts: SelfContacts,
-    effectors: Mapping[str, SemanticGroup],
-    postures: Mapping[str, Postures],
+    contacts: SelfContacts, effectors: Mapping[str, SemanticGroup], postures: Mapping[str, Postures]
 ) -> frozenset[LinkPair]:
     """Return the pairs of links that touch in the start postures of all effectors."""
     return contacts.touching(

@@ -303,11 +303,7 @@ class _Composer:
             node.faulty |= source.faulty
 
     def _stray(
-        self,
-        key: str,
-        place: Place,
-        values: dict[str, Node],
-        strays: dict[str, list[Stray]],
+        self, key: str, place: Place, values: dict[str, Node], strays: dict[str, list[Stray]]
     ) -> Stray | None:
         """Return the text in the place of a key, if a comma split it from the value before it."""
         from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it

@@ -12,13 +12,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.documents.document import Document
 from cbdsl.documents.kind import Kind
-from cbdsl.documents.kinds import (
-    KINDS,
-    kind_name,
-    kind_of,
-    kinds_with_resources,
-    models,
-)
+from cbdsl.documents.kinds import KINDS, kind_name, kind_of, kinds_with_resources, models
 from cbdsl.documents.ownership import declared_kind
 from cbdsl.storage.contents import contents, is_file, is_folder
 from cbdsl.yaml_text.composer import MOST_BYTES

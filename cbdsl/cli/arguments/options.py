@@ -42,15 +42,12 @@ Cameras = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Open = Annotated[bool, typer.Option("--open/--no-open", help="Show the page in the browser.")]
 Paths = Annotated[
-    list[str],
-    typer.Argument(help="Documents: files, names, folders, or - for the standard input."),
+    list[str], typer.Argument(help="Documents: files, names, folders, or - for the standard input.")
 ]
 Policy = Annotated[
     str | None,
     typer.Option(
-        "--policy",
-        help="Policy: file or name [the program's].",
-        autocompletion=names_of("policy"),
+        "--policy", help="Policy: file or name [the program's].", autocompletion=names_of("policy")
     ),
 ]
 Program = Annotated[

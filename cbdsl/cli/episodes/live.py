@@ -23,10 +23,7 @@ if TYPE_CHECKING:
     from cbdsl.cli.episodes.program_watch import ProgramWatch
     from cbdsl.reporting.live.live_view import LiveView
 
-Live = Annotated[
-    bool,
-    typer.Option("--live", help="Show the run in the browser, in real time."),
-]
+Live = Annotated[bool, typer.Option("--live", help="Show the run in the browser, in real time.")]
 Fast = Annotated[
     bool, typer.Option("--fast", help="With --live: run at maximum speed instead of real time.")
 ]
@@ -161,11 +158,7 @@ def live_page(
 
 
 def go_on(
-    view: LiveView | None,
-    watch: ProgramWatch | None,
-    episode: Callable[[], None],
-    *,
-    prints: bool,
+    view: LiveView | None, watch: ProgramWatch | None, episode: Callable[[], None], *, prints: bool
 ) -> None:
     """Run another episode for each edit and each return to an earlier state, until Ctrl-C.
 

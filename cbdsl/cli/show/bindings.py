@@ -20,10 +20,7 @@ from cbdsl.yaml_text.reader import flawless
 
 
 def show_bindings(
-    name: ShownProgram,
-    robot: Robot = None,
-    format_: PlainFormat = "text",
-    as_json: Json = False,
+    name: ShownProgram, robot: Robot = None, format_: PlainFormat = "text", as_json: Json = False
 ) -> None:
     """Show which effectors may be in the roles of a program, and the reasons against others."""
     form, session = read_format(format_, as_json, PLAIN), Session()

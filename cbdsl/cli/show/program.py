@@ -14,12 +14,7 @@ from cbdsl.cli.show.formats import Format, Json, drawing, read_format
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
 from cbdsl.reporting.automaton_text import automata, automaton_data
 from cbdsl.reporting.drawing.automaton_graph import automaton_graph
-from cbdsl.reporting.text.program_text import (
-    casts_text,
-    claims,
-    program_text,
-    reference_text,
-)
+from cbdsl.reporting.text.program_text import casts_text, claims, program_text, reference_text
 
 if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
@@ -73,12 +68,7 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
         },
         "claims": claims(program),
         "resources": [
-            {
-                "resource": r.name,
-                "type": str(r.type),
-                "unit": r.type.unit,
-                "origin": r.origin.value,
-            }
+            {"resource": r.name, "type": str(r.type), "unit": r.type.unit, "origin": r.origin.value}
             for r in resources(program)
         ],
         "controllers": [_controller(controller) for controller in controllers(program)],

@@ -30,10 +30,7 @@ FormatOption = Annotated[
 
 
 def show_schema(
-    name: Schema,
-    against: Against = None,
-    format_: FormatOption = "text",
-    as_json: Json = False,
+    name: Schema, against: Against = None, format_: FormatOption = "text", as_json: Json = False
 ) -> None:
     """Show the allocation of resources by a schema, and its contexts without expected reward.
 

@@ -50,8 +50,7 @@ show = typer.Typer(
 )
 
 Robot = Annotated[
-    str,
-    typer.Option("--robot", help="Robot: file or name.", autocompletion=names_of("robot")),
+    str, typer.Option("--robot", help="Robot: file or name.", autocompletion=names_of("robot"))
 ]
 Like = Annotated[
     str, typer.Option("--like", help="Part of the names to list, such as stereo [all].")

@@ -35,11 +35,7 @@ def show_substitutes(
     check_program(name, values, session.library)
     path = session.library.locate(ProgramDocument, name)
     rows = [
-        {
-            "in place of": each.member,
-            "program": each.program,
-            "rewarded for": str(each.kind),
-        }
+        {"in place of": each.member, "program": each.program, "rewarded for": str(each.kind)}
         for each in stand_ins_of(path, session, values)
     ]
     if form is Format.JSON:

@@ -223,13 +223,7 @@ class _Finder:
             return above.value is None
         return all((*path, key) in self._wrong and key not in above.value for key in run)
 
-    def _upwards(
-        self,
-        node: Node,
-        shape: SchemaShape,
-        path: Steps,
-        around: Around,
-    ) -> Move | None:
+    def _upwards(self, node: Node, shape: SchemaShape, path: Steps, around: Around) -> Move | None:
         """Return the move of a key that belongs to an enclosing section, with the keys after it."""
         assert isinstance(node.value, dict)
         for key, child in node.value.items():
