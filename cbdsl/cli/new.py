@@ -157,7 +157,7 @@ def _new_scene(name: str, mjcf: Path, robot: str, to: Path | None, force: bool) 
         ) from None
     files = {template.folder / file: contents for file, contents in scene.meshes.items()}
     description = scalar(f"The scene {mjcf.name}.")
-    values = {"robot": robot, "description": description, "parts": scene.urdf}
+    values = {"robot": robot, "description": description, "parts": scene.text}
     written = template.write(values, force, files)
     _conclude(template.file, [*files, *written], scene.remarks)
 

@@ -12,15 +12,15 @@ from cbdsl.types.registry import PluginError, Registry
 
 
 class ConvertedModel(NamedTuple):
-    """Model in URDF.
+    """Robot or scene in a format that this package reads.
 
     Attributes:
-        urdf: Text of the URDF.
+        text: Text of the URDF of a robot, or of the document of a stage.
         meshes: Contents of mesh files, by their names in the text.
-        remarks: Sentences about parts of the model that have no counterpart in URDF.
+        remarks: Sentences about parts of the model that have no counterpart.
     """
 
-    urdf: str
+    text: str
     meshes: Mapping[str, bytes] = {}
     remarks: tuple[str, ...] = ()
 

@@ -74,7 +74,7 @@ class ModelReader:
 
         try:
             if self._format(file) == "xacro":
-                return parse_srdf(self._converted(file, "xacro", "", {}).urdf, file)
+                return parse_srdf(self._converted(file, "xacro", "", {}).text, file)
             return read_srdf(file)
         except UrdfError as error:
             raise UsageError(f"srdf {error}") from None
@@ -90,9 +90,9 @@ class ModelReader:
         if kind == "mjcf":
             model = self._converted(self._file, kind, name, self._arguments)
             how = "converted from MJCF as MuJoCo compiles it"
-            return self._written(model.urdf, how, name, folder, model.meshes, model.remarks)
+            return self._written(model.text, how, name, folder, model.meshes, model.remarks)
         if kind == "xacro":
-            text = self._converted(self._file, kind, name, self._arguments).urdf
+            text = self._converted(self._file, kind, name, self._arguments).text
             values = "".join(f" {key}:={value}" for key, value in self._arguments.items())
             return self._local(text, f"expanded by xacro{values}", name, folder)
         if kind == "nameless":

@@ -73,14 +73,14 @@ def odd(tmp_path: Path) -> Path:
 
 
 def urdf_of(conversion: ConvertedModel) -> UrdfModel:
-    return parse_urdf(conversion.urdf, Path("odd.urdf"))
+    return parse_urdf(conversion.text, Path("odd.urdf"))
 
 
 def farthest(path: Path, conversion: ConvertedModel, postures: int = 100) -> float:
     """Return the largest difference of placements between MuJoCo and the URDF."""
     model = mujoco.MjModel.from_xml_path(str(path))
     data, rng = mujoco.MjData(model), np.random.default_rng(SEED)
-    copy = pinocchio.buildModelFromXML(conversion.urdf)
+    copy = pinocchio.buildModelFromXML(conversion.text)
     copied, compared, worst = copy.createData(), set(), 0.0
     for _ in range(postures):
         q = pinocchio.neutral(copy)

@@ -86,7 +86,7 @@ def _bounded(function: str, path: Path, name: str) -> ConvertedModel:
     if "error" in answer:
         raise UrdfError(answer["error"])
     meshes = {file: base64.b64decode(text) for file, text in answer["meshes"].items()}
-    return ConvertedModel(answer["urdf"], meshes, tuple(answer["remarks"]))
+    return ConvertedModel(answer["text"], meshes, tuple(answer["remarks"]))
 
 
 def main() -> None:
@@ -103,7 +103,7 @@ def main() -> None:
         convert = getattr(import_module(f"cbdsl_formats.mjcf.{module}"), function)
         converted: ConvertedModel = convert(Path(sys.argv[2]), sys.argv[3])
         meshes = {file: base64.b64encode(data).decode() for file, data in converted.meshes.items()}
-        answer = {"urdf": converted.urdf, "meshes": meshes, "remarks": converted.remarks}
+        answer = {"text": converted.text, "meshes": meshes, "remarks": converted.remarks}
     except UrdfError as error:
         answer = {"error": str(error)}
     with os.fdopen(answers, "w", encoding="utf-8") as stream:

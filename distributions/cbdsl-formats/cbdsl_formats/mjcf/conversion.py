@@ -47,7 +47,7 @@ def convert_mjcf(path: Path, name: str) -> ConvertedModel:
         converted = _converted(MjcfModel(path, compiled_model(path)), name)
     except UnicodeDecodeError as error:
         raise UrdfError(f"{path}: one of its names is not UTF-8 ({error})") from None
-    unwritable = _UNWRITABLE.search(converted.urdf)
+    unwritable = _UNWRITABLE.search(converted.text)
     if unwritable is not None:
         raise UrdfError(f"{path}: one of its names has the control character {unwritable[0]!r}")
     return converted

@@ -50,7 +50,7 @@ class SceneSolid(NamedTuple):
 
 
 def convert_scene(path: Path, name: str) -> ConvertedModel:
-    """Return a stage in the place of a URDF, with its meshes, and remarks about other parts.
+    """Return a stage with its meshes, and remarks about other parts.
 
     Args:
         path: Path of the scene.
