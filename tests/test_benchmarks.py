@@ -46,7 +46,7 @@ def test_process_of_a_missing_peer_states_the_reason() -> None:
         ("/bin/true", "its process has ended with code 0"),
     ],
 )
-def test_a_missing_peer_has_a_reason(python: str, reason: str) -> None:
+def test_missing_peer_has_a_reason(python: str, reason: str) -> None:
     run = subprocess.run(
         [sys.executable, "-c", ASK, python], cwd=FOLDER, capture_output=True, text=True
     )
@@ -65,7 +65,7 @@ def _status(main: Callable[[], Any]) -> int:
         return int(ended.code or 0)
 
 
-def test_a_benchmark_takes_a_seed_and_a_number_of_episodes(
+def test_benchmark_takes_a_seed_and_a_number_of_episodes(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["episode_speed", "--help"])

@@ -76,7 +76,7 @@ def test_plugin_is_in_a_wheel_of_its_own_with_the_version_of_cbdsl(
     assert f"{name}/__init__.py" in names and not [entry for entry in names if "test" in entry]
 
 
-def test_the_sdist_can_be_tested(built: Path) -> None:
+def test_sdist_can_be_tested(built: Path) -> None:
     (sdist,) = built.glob("cbdsl-*.tar.gz")
     with tarfile.open(sdist) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}

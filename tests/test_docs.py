@@ -349,7 +349,7 @@ def test_new_potential_of_the_page_descends(
         ("lerobot_robot", "follower"),
     ],
 )
-def test_a_page_shows_the_plugin_that_tests_run(page: str, module: str) -> None:
+def test_page_shows_the_plugin_that_tests_run(page: str, module: str) -> None:
     """Compare the code except for its package: a page's modules stand alone."""
     found = blocks(DOCS / "how_to" / f"{page}.md")
     (shown,) = [each.text for each in found if each.marks.get("file") == f"{module}.py"]

@@ -31,7 +31,7 @@ def reader(here: Clone, tmp_path: Path) -> Reader:
     return Reader(here, tmp_path)
 
 
-def test_the_readme_leads_to_a_program_that_is_rewarded(reader: Reader, tmp_path: Path) -> None:
+def test_readme_leads_to_a_program_that_is_rewarded(reader: Reader, tmp_path: Path) -> None:
     _, run = first_command()
     assert "Rewarded after" in reader.type(run.removeprefix(".venv/bin/"))
     assert (tmp_path / "reachtouch.html").is_file()
@@ -42,7 +42,7 @@ def test_the_readme_leads_to_a_program_that_is_rewarded(reader: Reader, tmp_path
     assert reader.seconds < DAY
 
 
-def test_the_tutorial_leads_to_a_program_that_runs(reader: Reader, tmp_path: Path) -> None:
+def test_tutorial_leads_to_a_program_that_runs(reader: Reader, tmp_path: Path) -> None:
     reader.read("docs/tutorial.md")
     assert "hover" in reader.type("cb list programs")
     assert (tmp_path / "tapes" / "episode_2.html").is_file()

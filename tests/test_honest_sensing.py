@@ -39,7 +39,7 @@ class Only:
                 setattr(self, name, getattr(backend, name))
 
 
-def test_an_observation_has_sensors_only() -> None:
+def test_observation_has_sensors_only() -> None:
     assert is_dataclass(Observation)
     assert {field.name for field in fields(Observation)} == SENSORS
 
@@ -79,7 +79,7 @@ def test_observation_of_the_kinematic_backend_has_no_further_attributes(
             assert set(region._fields) == {"area", "column", "row", "clipped", "moments", "extent"}
 
 
-def test_the_runtime_needs_nothing_but_the_protocol(
+def test_runtime_needs_nothing_but_the_protocol(
     bullet: BulletBackend,
     dexter: RobotDocument,
     kinematics: Kinematics,

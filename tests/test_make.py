@@ -21,7 +21,7 @@ def planned_tests(*arguments: str) -> str:
     return next(line for line in planned.stdout.splitlines() if "pytest" in line)
 
 
-def test_a_developer_runs_all_tests() -> None:
+def test_developer_runs_all_tests() -> None:
     assert planned_tests("check").endswith('-m "slow or not slow"')
 
 

@@ -100,7 +100,7 @@ def test_known_survivors_are_changes_of_files_that_exist() -> None:
         ("one(2) == 3 or __import__('os')._exit(1)", "pytest ended with 1"),
     ],
 )
-def test_the_first_test_that_fails_kills(checkout: Path, asserted: str, by: str | None) -> None:
+def test_first_test_that_fails_kills(checkout: Path, asserted: str, by: str | None) -> None:
     write_test(checkout, f"    assert {asserted}\n")
     assert Copy(checkout).killer(one_of(checkout, "a - 1"), "file") == by
     assert (checkout / ONE).read_text() == TEXT

@@ -16,7 +16,7 @@ IDS = [path.stem for path in NOTEBOOKS]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=IDS)
-def test_a_notebook_is_kept_without_outputs(path: Path) -> None:
+def test_notebook_is_kept_without_outputs(path: Path) -> None:
     """Otherwise each run would be a change."""
     book = json.loads(path.read_text("utf-8"))
     assert (book["nbformat"], book["nbformat_minor"]) == (4, 5)

@@ -69,7 +69,7 @@ def options(command: Any) -> set[str]:
     return {option for each in spellings for option in each}
 
 
-def test_the_test_command_is_one_line_that_runs_pytest() -> None:
+def test_test_command_is_one_line_that_runs_pytest() -> None:
     text = (ROOT / "README.md").read_text("utf-8")
     _, _, after = text.partition("<!-- tests -->")
     block = BLOCK.search(after)
@@ -98,7 +98,7 @@ def program(tmp_path: Path) -> Path:
     return path
 
 
-def test_the_program_is_valid(program: Path) -> None:
+def test_program_is_valid(program: Path) -> None:
     assert check_document(program) == []
 
 

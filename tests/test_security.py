@@ -89,7 +89,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "a link in a derived name is refused": (
         "cli/test_planted_links.py:test_no_command_writes_through_a_planted_link",
-        "cli/test_planted_links.py:test_a_command_for_a_folder_leaves_linked_files",
+        "cli/test_planted_links.py:test_command_for_a_folder_leaves_linked_files",
     ),
     "a journal is a regular file of at most 1 GB": (
         "storage/test_journal.py:test_journal_in_the_place_of_something_else_is_refused",
@@ -131,7 +131,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         "../distributions/cbdsl-drive/tests/test_backend.py:test_robot_that_another_controller_carries_is_held",
     ),
     "they are kept below the user's folder of caches": (
-        "numeric/test_kernel_cache.py:test_the_folder_is_below_the_users_caches",
+        "numeric/test_kernel_cache.py:test_folder_is_below_the_users_caches",
     ),
     "a file that another user can have written is not read": (
         f"{_HERE}test_machine_code_that_others_can_write_is_not_read",
@@ -199,12 +199,12 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "It acts only on requests with a token that is in the page.": (
         f"{_SERVER}test_request_without_the_token_is_refused",
-        f"{_SERVER}test_the_page_has_an_unguessable_token",
+        f"{_SERVER}test_page_has_an_unguessable_token",
     ),
     "The address of the page holds a secret, without which other users of the same machine cannot "
     "open it.": (f"{_SERVER}test_page_without_the_key_of_its_address_is_refused",),
     "A browser that `cb` opens on a screen has the address on its command line.": (
-        "cli/episodes/test_live.py:test_a_browser_is_opened_only_where_there_is_a_screen",
+        "cli/episodes/test_live.py:test_browser_is_opened_only_where_there_is_a_screen",
     ),
     "The page writes no file: the browser downloads a composed program.": (
         "reporting/live/test_requests.py:test_changes_are_made_and_saved",
@@ -216,7 +216,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     "They import nothing from the current folder.": (
         f"{_WORKERS}test_learn_with_workers_imports_nothing_from_the_current_folder",
     ),
-    "They end with the command.": (f"{_WORKERS}test_an_interrupt_while_workers_begin_is_one_line",),
+    "They end with the command.": (f"{_WORKERS}test_interrupt_while_workers_begin_is_one_line",),
     "Tools of `cb mcp` run `list`, `show`, `validate`, `explain`, `run`, `why`, `compare`, `learn` "
     "and `explore`, and no other program.": (f"{_MCP}test_tools_run_commands_of_cb_alone",),
     "Files that a client names are in the folder of `--folder`, also behind links.": (

@@ -49,7 +49,7 @@ def test_numbers_are_read_in_every_notation() -> None:
     ]
 
 
-def test_the_page_names_the_range() -> None:
+def test_page_names_the_range() -> None:
     text = (ROOT / "docs" / "seeds.md").read_text("utf-8")
     for seeds in (JUDGING, DERIVED):
         assert f"{seeds.start} to {seeds.stop - 1}" in text

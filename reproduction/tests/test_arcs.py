@@ -37,7 +37,7 @@ def test_arcs_that_are_rare_are_not_drawn() -> None:
         (ActionArc("X-", "search", "X-"), False, False),
     ],
 )
-def test_a_drawn_arc_is_found_by_patterns(arc: ActionArc, among: bool, joined: bool) -> None:
+def test_drawn_arc_is_found_by_patterns(arc: ActionArc, among: bool, joined: bool) -> None:
     drawn = DrawnArc("*-", "search", ("0X", "1*"))
     assert (drawn.is_among([arc]), drawn.is_joined([arc])) == (among, joined)
 

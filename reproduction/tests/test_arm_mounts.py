@@ -166,7 +166,7 @@ def test_search_of_mounts_without_a_spread_begins_near_the_mount_of_today(module
     assert np.abs(np.subtract(astuple(drawn), astuple(mounts.TODAY))).max() < 2
 
 
-def test_the_score_prefers_near_hands_and_keeps_reach(modules: Any) -> None:
+def test_score_prefers_near_hands_and_keeps_reach(modules: Any) -> None:
     trial = modules("mount_trial").MountTrial
     today = trial(
         0, "position", {}, [1.5] * 12, [1.5] * 12, [True] * 12, [False] * 12, (), 1.0, 1.0
@@ -179,7 +179,7 @@ def test_the_score_prefers_near_hands_and_keeps_reach(modules: Any) -> None:
     assert near._replace(possible=[False] * 12).together == 0.0
 
 
-def test_a_posture_of_one_arm_is_rewritten(modules: Any) -> None:
+def test_posture_of_one_arm_is_rewritten(modules: Any) -> None:
     text = (ROOT / "robots" / "dexter.yaml").read_text(encoding="utf-8")
     changed = modules("mounted_touch").with_posture(text, "right_arm", "ready", [0.5] * 7)
     differing = [
@@ -206,7 +206,7 @@ def test_opposed_arms_come_to_rest_with_palms_opposite_each_other(
     assert np.degrees(np.arccos(normals[0] @ normals[1])) > 120
 
 
-def test_a_mount_near_another_is_within_the_bounds(modules: Any) -> None:
+def test_mount_near_another_is_within_the_bounds(modules: Any) -> None:
     mounts = modules("arm_mount")
     rng = np.random.default_rng(3)
     low, high = mounts.BOUNDS

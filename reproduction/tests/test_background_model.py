@@ -71,9 +71,7 @@ def test_panels_draw_tracked_channels_and_name_empty_ones() -> None:
 
 
 @pytest.mark.parametrize(("channel", "is_there"), [("hue_7", True), ("hue_9", False)])
-def test_a_window_is_tracked_in_rendered_images_and_pink_is_not(
-    channel: str, is_there: bool
-) -> None:
+def test_window_is_tracked_in_rendered_images_and_pink_is_not(channel: str, is_there: bool) -> None:
     with simulation_fixture("searchtrack", {"feature": channel}, "furnished") as lab:
         look = looker(lab)
         found = [look(seed) for seed in (5300000, 5300001)]

@@ -26,15 +26,15 @@ def test_smallest_periods_are_about_those_of_the_source(
     assert all(least <= barcode.period <= most for barcode in barcodes()[frequency])
 
 
-def test_the_random_ones_are_the_same_every_time() -> None:
+def test_random_ones_are_the_same_every_time() -> None:
     assert barcodes() == barcodes()
 
 
-def test_a_period_is_a_bar_and_the_gap_beside_it() -> None:
+def test_period_is_a_bar_and_the_gap_beside_it() -> None:
     assert Barcode("", (0.01, 0.02, 0.015, 0.005, 0.04)).period == pytest.approx(0.02)
 
 
-def test_a_barcode_takes_the_place_of_the_pattern_on_a_thing() -> None:
+def test_barcode_takes_the_place_of_the_pattern_on_a_thing() -> None:
     form = {"shape": "box", "size": [0.2] * 3, "pattern": {"face": "+y", "height": 0.05}}
     form["pattern"]["stripes"] = [0.1]
     stage = StageDocument.model_validate(

@@ -62,7 +62,7 @@ def test_resolved_barcode_is_classified_correctly(
 
 
 @pytest.mark.parametrize("frequency", ["low", "medium", "high"])
-def test_the_pattern_is_found_to_the_pixel(frequency: str) -> None:
+def test_pattern_is_found_to_the_pixel(frequency: str) -> None:
     corners = _corners(300, roll=0.15, keystone=0.1)
     image = _image(barcodes()[frequency][1], corners, blur=0.8, noise=5)
     shown = np.array([[0, 0], [EDGE, 0], [EDGE, EDGE], [0, EDGE]], dtype=np.float32)

@@ -38,7 +38,7 @@ def test_pattern_is_drawn_at_its_pinhole_projection(place: CameraRig, placement:
     assert np.ptp(corners, axis=0) == pytest.approx(np.array([SIZE, SIZE]) * scale, rel=0.01)
 
 
-def test_a_turned_box_is_foreshortened(place: CameraRig) -> None:
+def test_turned_box_is_foreshortened(place: CameraRig) -> None:
     square, turned = (
         find_pattern(place.picture(barcodes()["low"][0].stripes, Placement(0.75, turn=turn)))
         for turn in (0.0, 0.5)

@@ -27,7 +27,7 @@ def test_place_of_a_contact_with_friction_is_recovered(seed: int) -> None:
     assert np.linalg.norm(RADIUS * force / np.linalg.norm(force) - place) > 1e-4
 
 
-def test_a_torque_that_no_contact_causes_keeps_the_place_on_the_ball() -> None:
+def test_torque_that_no_contact_causes_keeps_the_place_on_the_ball() -> None:
     load = np.array([0.0, 0.0, -1.0, 0.1, 0.0, 0.0])
     assert np.linalg.norm(on_ball(load, RADIUS)) == pytest.approx(RADIUS)
 

@@ -41,7 +41,7 @@ def test_arc_has_its_share_of_the_transitions_from_its_state(
     assert graph.rewarded == ({"X1"} if always else set())
 
 
-def test_the_picture_is_that_of_the_policy(checked: Checked) -> None:
+def test_picture_is_that_of_the_policy(checked: Checked) -> None:
     graph = graph_of("some_7", checked("searchtrack"), [walked(["X-", "X0"], rewarded=True)])
     diagram = Diagram("fig", "a < b", graph)
     told = " ".join(ET.fromstring(diagram.svg()).itertext())

@@ -17,7 +17,7 @@ def episode(seed: int, done: bool, last: str, slip: float | None = None) -> Play
     return PlayedEpisode(result, done, slip)
 
 
-def test_a_share_that_is_not_clearly_lower_agrees_and_a_lower_one_does_not() -> None:
+def test_share_that_is_not_clearly_lower_agrees_and_a_lower_one_does_not() -> None:
     good = [episode(seed, True, "1") for seed in range(20)]
     worse = [episode(seed, seed >= 2, "1") for seed in range(20)]
     bad = [episode(seed, False, "0", 0.001 * seed) for seed in range(20)]

@@ -42,6 +42,6 @@ def test_no_difference_has_to_be_shown() -> None:
     assert mean_of(claim(near(0, 0.1)), many.tolist()).verdict is Verdict.REPRODUCED
 
 
-def test_a_single_sample_is_not_judged_and_none_is_a_miss() -> None:
+def test_single_sample_is_not_judged_and_none_is_a_miss() -> None:
     assert mean_of(claim(above(0)), [1.0]).verdict is Verdict.NOT_JUDGED
     assert mean_of(claim(above(0)), []).verdict is Verdict.MISSED

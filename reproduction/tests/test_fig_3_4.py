@@ -27,7 +27,7 @@ def test_reaches_as_in_the_source_are_reproduced() -> None:
     assert set(verdicts(alone, below, below)) == {Verdict.REPRODUCED}
 
 
-def test_a_few_reaches_of_the_same_kind_decide_nothing_of_all() -> None:
+def test_few_reaches_of_the_same_kind_decide_nothing_of_all() -> None:
     alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(5)]
     below = [reach([1.0, 0.5, 0.0], [0.0, 0.5]) for _ in range(5)]
     arrived, *_ = verdicts(alone, below, below)
@@ -73,7 +73,7 @@ def test_two_places_on_the_simulator() -> None:
 
 
 @pytest.mark.slow
-def test_the_arm_touches_the_table_where_the_ball_lies_on_it_and_not_where_it_is_held(
+def test_arm_touches_the_table_where_the_ball_lies_on_it_and_not_where_it_is_held(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     law, place = fig_3_4._LAWS["c1"], (0.32, 0.4)

@@ -35,7 +35,7 @@ def test_ratios_compare_the_ends_of_the_same_trial() -> None:
 
 
 @pytest.mark.slow
-def test_a_box_is_held_and_comes_nearer() -> None:
+def test_box_is_held_and_comes_nearer() -> None:
     outcome = run(RunSettings(seed=50, quick=True))
     ours = {quantity.name: quantity.ours for quantity in outcome.quantities}
     assert ours["boxes held to the end"] == 100

@@ -26,7 +26,7 @@ def episodes(rewards: list[int]) -> tuple[Experience, ...]:
     return tuple(map(one, rewards))
 
 
-def test_the_probe_is_compared_with_a_touch_that_waits_and_with_the_shipped_one() -> None:
+def test_probe_is_compared_with_a_touch_that_waits_and_with_the_shipped_one() -> None:
     probing, passive, seeking = [1, 0] * 10, [0] * 20, [1] * 20
     some = {PASSIVE: passive, SEEKING: seeking, PROBING: probing}
     more, less, *rates = quantities({way: episodes(each) for way, each in some.items()}, 0)

@@ -69,7 +69,7 @@ def test_charts_show_shares_of_trials_and_of_the_largest_impedance(tmp_path: Pat
     assert shares["dPz"] == {"share of the largest": pytest.approx(0.05)}
 
 
-def test_a_direction_is_not_both_stiff_and_free() -> None:
+def test_direction_is_not_both_stiff_and_free() -> None:
     for pair in ALL_PAIRS.values():
         assert set(pair.judged) <= set(DIRECTIONS)
         assert len(set(pair.judged)) == len(pair.judged)

@@ -81,7 +81,7 @@ def test_lifted_box_and_falling_stack_are_missed(tmp_path: Path) -> None:
     assert [each.name for each in result.charts] == ["fig-7.17"]
 
 
-def test_the_hierarchy_has_the_pair_below_the_stack(tmp_path: Path) -> None:
+def test_hierarchy_has_the_pair_below_the_stack(tmp_path: Path) -> None:
     nodes = outcome(tmp_path, lifted=False, stands=True).charts[1].data()
     stack = nodes["football_on_purple_box_on_blue_box"]
     assert stack == {
@@ -91,7 +91,7 @@ def test_the_hierarchy_has_the_pair_below_the_stack(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
+def test_stack_of_three_is_tracked_once_it_stands() -> None:
     (trial,) = run_growing_stacks(CONTEXT, [11], "mujoco", "ideal")
     assert trial.tracked and trial.stands, trial.ending
     first, second, last = trial.views
@@ -104,7 +104,7 @@ def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
 
 
 @pytest.mark.slow
-def test_a_small_box_is_transferred_and_a_large_one_is_touched() -> None:
+def test_small_box_is_transferred_and_a_large_one_is_touched() -> None:
     for what in (attempt("bimanualtouch", "purple_box"), attempt("reachtouch", "blue_box")):
         (trial,) = run_affordances(what, [1], "mujoco", "ideal")
         assert trial.rewarded, trial.ending

@@ -48,7 +48,7 @@ def test_afforded_with_a_found_mark_leaves_the_open_inspection_out() -> None:
     assert _afforded(TEN.model_copy(update={"affordances": found})) - _afforded(TEN) == {open_one}
 
 
-def test_an_action_that_fails_too_often_is_a_miss() -> None:
+def test_action_that_fails_too_often_is_a_miss() -> None:
     often, _, seldom, none = _shares(claims_of("fig-6.2"), [TEN] * 200)
     assert often.verdict is Verdict.REPRODUCED and often.ours == 100
     reachtouch = next(
@@ -74,7 +74,7 @@ def test_negligible_after_returns_the_action_from_which_rewards_stay_small(
     assert negligible_after(np.array(rewards)) == after
 
 
-def test_an_action_is_taken_until_its_model_changes_by_less_than_a_tenth() -> None:
+def test_action_is_taken_until_its_model_changes_by_less_than_a_tenth() -> None:
     assert tries_until_habituated(TEN, "reachtouch") == 5
     assert tries_until_habituated(TEN, "searchtrack") == 2
     assert tries_until_habituated(TEN, "bimanualtouch") == 0

@@ -55,7 +55,7 @@ def trial(far: Experience, dip: bool = True) -> AssimilatedTrial:
 HANDED = episode("across", ("left_arm_handover", 1))
 
 
-def test_a_dip_that_ends_and_a_transfer_that_works_are_reproduced() -> None:
+def test_dip_that_ends_and_a_transfer_that_works_are_reproduced() -> None:
     rows = list(quantities([trial(HANDED)] * 10, 0))
     assert [each.verdict for each in rows] == [Verdict.REPRODUCED] * len(rows)
     dip, length, chosen, placed, _ = rows

@@ -32,7 +32,7 @@ ANGLES = np.linspace(-2.0, 2.0, 401)
 
 
 @pytest.mark.parametrize("density", [KERNEL, GAUSSIAN], ids=["kernel", "gaussian"])
-def test_a_density_adds_up_to_one(density: Kernel | Gaussian) -> None:
+def test_density_adds_up_to_one(density: Kernel | Gaussian) -> None:
     row = marginal(density, 0, ANGLES)
     assert np.trapezoid(row, ANGLES) == pytest.approx(1, abs=1e-6)
     assert row.min() >= density.uniform / 4
@@ -48,7 +48,7 @@ def test_peaks_are_where_samples_are() -> None:
     assert peaks == pytest.approx([-0.5, 0.8], abs=0.011)
 
 
-def test_a_gaussian_has_its_deviation_apart_from_the_uniform_part() -> None:
+def test_gaussian_has_its_deviation_apart_from_the_uniform_part() -> None:
     narrow = GAUSSIAN.model_copy(update={"uniform": 0.0})
     rows = np.array([marginal(narrow, 0, ANGLES), np.full(len(ANGLES), 0.25)])
     found = Expectation("joint", -2.0, 2.0, rows, rows[None]).deviations(rows)

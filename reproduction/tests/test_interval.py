@@ -56,7 +56,7 @@ def test_interquartile_means_go_along_the_first_axis() -> None:
     assert (one_low, one_high) == pytest.approx((low[0], high[0]))
 
 
-def test_the_interval_of_a_statistic_is_that_of_its_bootstrap() -> None:
+def test_interval_of_a_statistic_is_that_of_its_bootstrap() -> None:
     values = np.random.default_rng(0).normal(size=40)
     low, high = interquartile_interval(values)
     assert interval_of(interquartile_mean)(values) == (float(low), float(high))

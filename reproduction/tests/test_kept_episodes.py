@@ -23,7 +23,7 @@ class Counted:
         return PlayedEpisode(result, done=True, slip=0.002)
 
 
-def test_an_episode_is_run_once(tmp_path: Path) -> None:
+def test_episode_is_run_once(tmp_path: Path) -> None:
     file, episodes = tmp_path / "kept.jsonl", Counted()
     first = KeptEpisodes(file).run("this", 7, episodes.run)
     assert KeptEpisodes(file).run("this", 7, episodes.run) == first
@@ -37,7 +37,7 @@ def test_episode_of_another_program_or_seed_is_run(tmp_path: Path) -> None:
     assert episodes.count == 3
 
 
-def test_a_line_that_was_cut_off_does_not_count(tmp_path: Path) -> None:
+def test_line_that_was_cut_off_does_not_count(tmp_path: Path) -> None:
     file, episodes = tmp_path / "kept.jsonl", Counted()
     KeptEpisodes(file).run("this", 7, episodes.run)
     file.write_text(file.read_text()[:-9])

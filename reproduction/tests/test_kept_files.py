@@ -40,7 +40,7 @@ def test_sound_files_and_journals_of_learning_are_passed(kept: Path) -> None:
     assert list(damaged_lines(kept.parent)) == []
 
 
-def test_a_line_that_was_cut_off_is_reported_and_the_rest_goes_on(
+def test_line_that_was_cut_off_is_reported_and_the_rest_goes_on(
     kept: Path,
     toys: list[RunSettings],
     monkeypatch: pytest.MonkeyPatch,
@@ -57,7 +57,7 @@ def test_a_line_that_was_cut_off_is_reported_and_the_rest_goes_on(
 @pytest.mark.parametrize(
     ("line", "problem"), [(b"\xff\xfe\x00garbage", "not UTF-8"), (b"12", "not a row of a trial")]
 )
-def test_a_line_that_cannot_be_passed_over_stops_with_its_number_and_a_remedy(
+def test_line_that_cannot_be_passed_over_stops_with_its_number_and_a_remedy(
     line: bytes,
     problem: str,
     kept: Path,
@@ -76,7 +76,7 @@ def test_a_line_that_cannot_be_passed_over_stops_with_its_number_and_a_remedy(
     assert [json.loads(row)["seed"] for row in kept.read_text().splitlines()] == [0, 2]
 
 
-def test_a_damaged_journal_of_learning_is_not_called_one_of_other_trials(
+def test_damaged_journal_of_learning_is_not_called_one_of_other_trials(
     kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def run(settings: RunSettings) -> None:

@@ -29,7 +29,7 @@ def test_kept_trials_are_separated_by_experiment(tmp_path: Path) -> None:
     assert KeptTrials(path, "other", ImpedanceTrial).get("box_on_box", 2) is None
 
 
-def test_a_line_that_was_cut_off_is_run_again(tmp_path: Path) -> None:
+def test_line_that_was_cut_off_is_run_again(tmp_path: Path) -> None:
     path = tmp_path / "kept.jsonl"
     KeptTrials(path, "one", ImpedanceTrial).add(trial(1))
     text = path.read_text()

@@ -71,5 +71,5 @@ def test_median_includes_trials_that_never_learn() -> None:
     assert math.isnan(lost.ours) and lost.interval is None
 
 
-def test_a_schedule_ends_with_the_trial() -> None:
+def test_schedule_ends_with_the_trial() -> None:
     assert list(Schedule(every=5, held_out=1).after(25)) == [5, 10, 15, 20, 25]

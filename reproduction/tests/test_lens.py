@@ -24,9 +24,7 @@ def _spread(image: np.ndarray) -> float:
 
 @pytest.mark.parametrize("spread", [0.8, 1.5])
 @pytest.mark.parametrize("times", [4, 8])
-def test_an_edge_is_blurred_by_the_spread_and_the_pixels_own_width(
-    spread: float, times: int
-) -> None:
+def test_edge_is_blurred_by_the_spread_and_the_pixels_own_width(spread: float, times: int) -> None:
     image = Lens(spread, 0).photograph(_edge(times), times, 837, 1, np.random.default_rng(0))
     assert image.shape == (20, 60, 3)
     assert _spread(image) == pytest.approx(np.hypot(spread, np.sqrt(1 / 12)), rel=0.05)

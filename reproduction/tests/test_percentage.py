@@ -30,7 +30,7 @@ def test_chance_of_a_barely_false_claim_is_at_most_one_in_forty(
     assert chance_of_counts(region, trials) <= 0.025 + 1e-9
 
 
-def test_the_chance_is_that_of_simulated_coins() -> None:
+def test_chance_is_that_of_simulated_coins() -> None:
     trials, rng = 30, np.random.default_rng(0)
     hits = rng.binomial(trials, 0.5, size=20_000)
     passed = [
@@ -48,7 +48,7 @@ def test_majority_of_few_trials_is_undecided() -> None:
     assert percentage(claim(above(50)), 27, 30).verdict is Verdict.REPRODUCED
 
 
-def test_a_single_trial_is_not_judged() -> None:
+def test_single_trial_is_not_judged() -> None:
     assert percentage(claim(above(50)), 1, 1).verdict is Verdict.NOT_JUDGED
 
 

@@ -26,7 +26,7 @@ def test_postures_far_apart_are_peaks_of_their_own() -> None:
     assert len(density(*[(0.0, 0.4)] * 12, (1.3, 0.2)).peaks()) == 1
 
 
-def test_a_posture_between_two_cells_is_one_peak() -> None:
+def test_posture_between_two_cells_is_one_peak() -> None:
     first, second = density((0.0, 0.0)).axes
     between = (float(first[40:42].mean()), float(second[20:22].mean()))
     assert len(density(between).peaks()) == 1
@@ -37,7 +37,7 @@ def test_density_without_postures_has_no_peak() -> None:
     assert "0 postures" in density().svg()
 
 
-def test_the_picture_has_a_mark_for_each_posture() -> None:
+def test_picture_has_a_mark_for_each_posture() -> None:
     drawn = density((0.0, 0.4), (1.3, 0.2)).svg()
     assert drawn[drawn.index('id="postures"') :].count("<use") == 2
     assert "&lt;any&gt;" in drawn

@@ -25,9 +25,7 @@ MOST = Claim("", "share", "", "most", above(0.8), above(0.5))
         (math.nan, None, Verdict.MISSED),
     ],
 )
-def test_the_whole_interval_decides(
-    ours: float, interval: Interval | None, verdict: Verdict
-) -> None:
+def test_whole_interval_decides(ours: float, interval: Interval | None, verdict: Verdict) -> None:
     quantity = Quantity(MOST, ours, interval)
     assert quantity.verdict is verdict
 

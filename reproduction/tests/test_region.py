@@ -31,7 +31,7 @@ NAMES = [region.text for region, *_ in CASES]
 
 
 @pytest.mark.parametrize(("region", "inside", "across", "outside"), CASES, ids=NAMES)
-def test_an_interval_is_in_a_region_or_out_of_it_or_neither(
+def test_interval_is_in_a_region_or_out_of_it_or_neither(
     region: ValueRegion, inside: Interval, across: Interval, outside: Interval
 ) -> None:
     assert region.contains(inside) and not region.excludes(inside)

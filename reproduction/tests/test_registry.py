@@ -52,7 +52,7 @@ def test_experiment_names_its_section_table_or_figure(experiment: Experiment) ->
     assert callable(experiment.load())
 
 
-def test_the_list_of_experiments_imports_nothing_heavy() -> None:
+def test_list_of_experiments_imports_nothing_heavy() -> None:
     script = (
         "import sys\nimport cbdsl_reproduction.registry\n"
         "sys.exit(any(name in sys.modules for name in ('numpy', 'pybullet', 'pinocchio')))"

@@ -150,7 +150,7 @@ def test_json_of_all_experiments_has_one_entry_each(
     assert first["charts"][0]["lines"] == {"one": [[0.0, 1.0], [1.0, 0.0]]}
 
 
-def test_a_page_is_renewed_section_by_section(
+def test_page_is_renewed_section_by_section(
     toys: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "pages"
@@ -248,7 +248,7 @@ def test_folder_that_cannot_be_created_is_reported(
         (KeyboardInterrupt(), 130, "the same command goes on"),
     ],
 )
-def test_the_cause_of_an_unfinished_trial_is_reported_with_the_folder(
+def test_cause_of_an_unfinished_trial_is_reported_with_the_folder(
     error: BaseException,
     code: int,
     told: str,
@@ -274,7 +274,7 @@ def test_json_option_writes_the_result_file(
     assert [row["experiment"] for row in rows] == ["toy-1", "toy-2"]
 
 
-def test_a_missing_package_is_reported() -> None:
+def test_missing_package_is_reported() -> None:
     """Run in a separate process, because Python does not import loaded modules again."""
     script = (
         "import sys\nsys.modules['pybullet'] = None\n"

@@ -26,7 +26,7 @@ ASKED = [
 ]
 
 
-def test_the_sources_trees_are_reproduced() -> None:
+def test_sources_trees_are_reproduced() -> None:
     rows = list(quantities([GOOD] * 10, ASKED, 0))
     *judged, reach = rows
     assert {row.verdict for row in judged} == {Verdict.REPRODUCED}

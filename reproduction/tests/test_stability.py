@@ -47,7 +47,7 @@ def test_rarely_met_state_is_ignored(trial: Trial) -> None:
     assert stable_after(trial, [*met, experience((late, "", ""))]) == states[late]
 
 
-def test_the_quantity_is_the_median() -> None:
+def test_quantity_is_the_median() -> None:
     claim = stable_claim("", SEQUENTIAL, "some", above(0))
     found = stable_quantity(claim, [3, 9, 8], seed=0)
     assert found.ours == 8 and found.note == "3 to 9" and found.interval is not None

@@ -38,7 +38,7 @@ def episode(state: str, action: str, after: str, reward: int, allocation: str = 
     return Experience("right", 0, (only,), {}, 1, 0.1)
 
 
-def test_the_first_stage_is_the_own_arm(learner: Staged) -> None:
+def test_first_stage_is_the_own_arm(learner: Staged) -> None:
     rng = np.random.default_rng(0)
     for _ in range(2):
         assert learner.is_constrained
@@ -50,7 +50,7 @@ def test_the_first_stage_is_the_own_arm(learner: Staged) -> None:
     assert learner.plan(rng).program.schema is not None
 
 
-def test_a_choice_that_fails_with_other_arms_is_given_up(learner: Staged) -> None:
+def test_choice_that_fails_with_other_arms_is_given_up(learner: Staged) -> None:
     for _ in range(2):
         replay(learner, episode("X0-", LEADING, "X11", 1))
     assert learner.accommodate.greedy()["X0-"] == LEADING

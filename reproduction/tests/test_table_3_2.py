@@ -18,7 +18,7 @@ def test_every_period_and_ratio_is_reproduced() -> None:
 
 
 @pytest.mark.parametrize("period", [3.5, 8.0, 41.3])
-def test_a_period_is_measured_from_dark_edges(period: float) -> None:
+def test_period_is_measured_from_dark_edges(period: float) -> None:
     at = np.arange(600)
     row = np.where((at % period) < period / 2, 0, 240).astype(np.uint8)
     picture = np.repeat(np.tile(row, (3, 1))[:, :, None], 3, axis=2)

@@ -58,7 +58,7 @@ def rows(flat: np.ndarray, concurrent: np.ndarray, staged: np.ndarray) -> list[Q
     return list(quantities_of(groups, 0))
 
 
-def test_the_sources_curves_are_reproduced() -> None:
+def test_sources_curves_are_reproduced() -> None:
     quantities = rows(step(140), step(50), dipping())
     assert len(quantities) == 11
     assert {each.verdict for each in quantities} == {Verdict.REPRODUCED}
@@ -93,7 +93,7 @@ def _moved(state: str, after: str, allocation: str) -> Transition:
     return Transition("reachtouch", 0, 0.0, state, "a", after, 1, 0, (), allocation)
 
 
-def test_a_retry_is_made_with_other_resources() -> None:
+def test_retry_is_made_with_other_resources() -> None:
     there, same = _moved("X0-", "X1-", "right_arm"), _moved("X1-", "X0-", "right_arm")
     episode = Experience("left", 0, (there, same), {}, 2, 0.1)
     assert not list(retries(episode))

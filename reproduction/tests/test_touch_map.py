@@ -45,7 +45,7 @@ def test_samples_are_gathered_until_there_are_enough(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("higher", "verdict"), [(0.0, Verdict.REPRODUCED), (0.02, Verdict.MISSED)])
-def test_the_height_of_the_table_is_judged(tmp_path: Path, higher: float, verdict: Verdict) -> None:
+def test_height_of_the_table_is_judged(tmp_path: Path, higher: float, verdict: Verdict) -> None:
     result = run(keep(tmp_path, higher))
     judged = {each.name: each.verdict for each in result.quantities if each.expected is not None}
     assert judged.pop("table: height of touches") is verdict
@@ -68,7 +68,7 @@ def test_kernel_width_falls_with_the_number_of_samples() -> None:
     assert (few[:2] > 1.1 * many[:2]).all() and few[2] == many[2] > 0
 
 
-def test_the_peak_is_where_most_samples_are() -> None:
+def test_peak_is_where_most_samples_are() -> None:
     samples = {"table": np.array([(0.4, 0.5, 0.0)]), "bimanual": np.full((3, 3), 0.6)}
     picture = CrossSections("p", "Where", samples, 0.03, np.array([(0.3, 0, -0.1), (0.9, 1, 0)]))
     assert picture.peak() == pytest.approx([0.6, 0.6])

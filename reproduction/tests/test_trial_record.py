@@ -40,7 +40,7 @@ ROWS: dict[type[Any], str] = {
 
 
 @pytest.mark.parametrize("kind", ROWS, ids=lambda kind: str(kind.__name__))
-def test_a_kept_line_is_read_and_written_again_to_the_byte(kind: type[Any]) -> None:
+def test_kept_line_is_read_and_written_again_to_the_byte(kind: type[Any]) -> None:
     record = read_record(kind, json.loads(ROWS[kind]))
     assert isinstance(record, kind)
     assert json.dumps(plain_data(record)) == ROWS[kind]
@@ -77,6 +77,6 @@ def test_field_with_a_default_may_be_missing() -> None:
         (ImpedanceTrial, "profile", [{"direction": "dPz"}]),
     ],
 )
-def test_a_field_of_another_shape_is_refused(kind: type[Any], field: str, value: object) -> None:
+def test_field_of_another_shape_is_refused(kind: type[Any], field: str, value: object) -> None:
     with pytest.raises(ValueError, match=r"no list|no names and values|missing or unknown"):
         read_record(kind, {**json.loads(ROWS[kind]), field: value})

@@ -54,7 +54,7 @@ def test_worth_of_a_rarely_met_pair_is_undefined() -> None:
     assert found["XX", "track"] == pytest.approx(0.8)
 
 
-def test_a_used_program_is_one_choice(checked: Checked) -> None:
+def test_used_program_is_one_choice(checked: Checked) -> None:
     looked = experience(
         ("XXX", "searchtrack", "0XX"),
         ("0XX", "searchtrack", "1XX"),
@@ -74,7 +74,7 @@ def test_trial_counts_once_per_occurrence_in_the_sample() -> None:
         assert found.worth(0.8, np.array(times))[place] == pytest.approx(expected)
 
 
-def test_a_quantity_is_a_share_of_the_best_choice() -> None:
+def test_quantity_is_a_share_of_the_best_choice() -> None:
     trials = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(5)]
     choices = [("XX", "search"), ("XX", "track"), ("1X", "track")]
     detour, direct, never = worth_quantities(worth_claims("", SEQUENTIAL, choices), trials, seed=0)

@@ -52,7 +52,7 @@ def test_calibration_corrects_only_its_own_cameras(
     assert request.stage.disturbance.body == 3
 
 
-def test_a_robots_own_calibration_is_used(dexter: RobotDocument, tmp_path: Path) -> None:
+def test_robots_own_calibration_is_used(dexter: RobotDocument, tmp_path: Path) -> None:
     file = made(tmp_path)
     own = dexter.model_copy(update={"calibration": str(file)})
     found = read_calibration(None, own, file, Library())
@@ -75,7 +75,7 @@ def test_calibrations_of_other_bodies_are_refused(
         load("reachtouch", stage=stage, calibration=str(made(tmp_path)), body=body)
 
 
-def test_a_calibration_of_another_robot_is_refused(
+def test_calibration_of_another_robot_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = made(tmp_path, robot="sixaxis")

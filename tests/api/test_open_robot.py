@@ -35,7 +35,7 @@ def test_run_on_a_closed_robot_is_refused(backend: str, use: str) -> None:
             USES[use](each)
 
 
-def test_an_episode_of_a_closed_robot_cannot_go_on() -> None:
+def test_episode_of_a_closed_robot_cannot_go_on() -> None:
     with cbdsl.open_robot("searchtrack", backend="kinematic") as robot:
         ticks = robot.ticks(1)
         next(ticks)
@@ -43,14 +43,14 @@ def test_an_episode_of_a_closed_robot_cannot_go_on() -> None:
         next(ticks)
 
 
-def test_an_episode_that_never_began_does_not_begin_on_a_closed_robot() -> None:
+def test_episode_that_never_began_does_not_begin_on_a_closed_robot() -> None:
     with cbdsl.open_robot("searchtrack", backend="kinematic") as robot:
         ticks = robot.ticks(1)
     with pytest.raises(UsageError, match="this robot is closed"):
         next(ticks)
 
 
-def test_a_second_episode_of_a_body_is_refused_while_one_runs(robot: cbdsl.OpenRobot) -> None:
+def test_second_episode_of_a_body_is_refused_while_one_runs(robot: cbdsl.OpenRobot) -> None:
     posture = robot.with_program(cbdsl.load("posture", stage="table_right"))
     ticks = robot.ticks(1)
     next(ticks)
@@ -63,7 +63,7 @@ def test_a_second_episode_of_a_body_is_refused_while_one_runs(robot: cbdsl.OpenR
     assert posture.run(1).ending
 
 
-def test_an_episode_that_is_over_interrupted_or_dropped_leaves_the_body_free(
+def test_episode_that_is_over_interrupted_or_dropped_leaves_the_body_free(
     robot: cbdsl.OpenRobot,
 ) -> None:
     for _ in robot.ticks(1):
@@ -80,7 +80,7 @@ def test_an_episode_that_is_over_interrupted_or_dropped_leaves_the_body_free(
     assert list(unused) == []
 
 
-def test_an_episode_can_be_interrupted_from_within(robot: cbdsl.OpenRobot) -> None:
+def test_episode_can_be_interrupted_from_within(robot: cbdsl.OpenRobot) -> None:
     def stop(tick: object) -> None:
         robot.interrupt("enough")
 

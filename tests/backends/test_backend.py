@@ -33,7 +33,7 @@ def test_import_of_an_engine_prints_nothing() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
-def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:
+def test_unknown_name_lists_the_known_ones(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"mirror": "far:Mirror"}})
     with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mirror, mujoco, ros2"):
         find_backend("bulet")

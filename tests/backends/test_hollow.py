@@ -139,7 +139,7 @@ def test_ideal_and_rendered_silhouettes_of_a_tube_agree(dexter: RobotDocument) -
     ideal.close()
 
 
-def test_a_fingertip_in_a_bore_touches_nothing_until_it_meets_the_wall(unseeing: Simulated) -> None:
+def test_fingertip_in_a_bore_touches_nothing_until_it_meets_the_wall(unseeing: Simulated) -> None:
     unseeing.reset(made_stage({}), None, np.random.default_rng(0))
     tip = unseeing.truth.link_pose("right_finger_1_tip").position
     form = {"shape": "tube", "radius": 0.06, "height": 0.04, "wall": 0.01}

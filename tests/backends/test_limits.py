@@ -68,7 +68,7 @@ def test_velocity_and_effort_stay_below_the_limits(name: str, robot: str) -> Non
 
 
 @pytest.mark.parametrize("torque", [1.0, 1e4])
-def test_the_smaller_of_two_efforts_counts(torque: float) -> None:
+def test_smaller_of_two_efforts_counts(torque: float) -> None:
     robot = sightless(robot_named("sixaxis"))
     names = Joints(robot).names
     simulation = robot.simulation.model_copy(update={"efforts": dict.fromkeys(names, torque)})

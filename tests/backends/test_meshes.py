@@ -92,7 +92,7 @@ def test_mesh_rests_at_its_place(
 
 
 @pytest.mark.parametrize("solid", ["hull", "boxes"])
-def test_a_ball_falls_into_boxes_and_not_into_a_hull(
+def test_ball_falls_into_boxes_and_not_into_a_hull(
     unseeing: Simulated, tmp_path: Path, solid: str
 ) -> None:
     stage = stage_with(tmp_path, "gutter", solid, (0.6, -0.1, -0.3))
@@ -105,7 +105,7 @@ def test_a_ball_falls_into_boxes_and_not_into_a_hull(
         assert inside == (solid == "boxes")
 
 
-def test_a_ball_rolls_down_a_hull(unseeing: Simulated, tmp_path: Path) -> None:
+def test_ball_rolls_down_a_hull(unseeing: Simulated, tmp_path: Path) -> None:
     stage = stage_with(tmp_path, "wedge", "hull", (0.59, -0.1, -0.33))
     if unseeing.truth.__class__.__name__ == "KinematicEngine":
         pytest.skip("its hulls are boxes, of which nothing rolls")
@@ -151,7 +151,7 @@ def test_hull_occupies_its_own_volume(tmp_path: Path) -> None:
     assert gap(body.shrunk(1e-3), ball(0.04, 0.02)) > gap(body, ball(0.04, 0.02))
 
 
-def test_a_recorded_mesh_can_be_drawn(tmp_path: Path) -> None:
+def test_recorded_mesh_can_be_drawn(tmp_path: Path) -> None:
     stage = stage_with(tmp_path, "gutter", "boxes")
     thing, rng = stage.things["solid"], np.random.default_rng(0)
     shape = SolidShape.draw(thing.form, rng)

@@ -47,7 +47,7 @@ def kinematic(dexter: RobotDocument, urdf: Path) -> Iterator[KinematicBackend]:
 
 
 @pytest.mark.parametrize("name", STAGES)
-def test_the_same_seed_shows_the_same_things_at_the_same_places(
+def test_same_seed_shows_the_same_things_at_the_same_places(
     bullet: BulletBackend, kinematic: KinematicBackend, stage: StageNamed, name: str
 ) -> None:
     for seed in range(3):

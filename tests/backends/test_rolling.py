@@ -26,7 +26,7 @@ def with_ball(motion: dict[str, Any] | None = None, **friction: float) -> StageD
     )
 
 
-def test_a_ball_rolls_less_far_with_rolling_friction(unseeing: Simulated) -> None:
+def test_ball_rolls_less_far_with_rolling_friction(unseeing: Simulated) -> None:
     thrown = {"speed": 0.3, "direction": 0.0, "thrown": True}
     ways = []
     for friction in (0.0005, 0.03):
@@ -39,7 +39,7 @@ def test_a_ball_rolls_less_far_with_rolling_friction(unseeing: Simulated) -> Non
     assert ways[1] < 0.7 * ways[0]
 
 
-def test_a_ball_that_spins_slows_down_with_spinning_friction(dexter: RobotDocument) -> None:
+def test_ball_that_spins_slows_down_with_spinning_friction(dexter: RobotDocument) -> None:
     backend, rates = BulletBackend(sightless(dexter), URDF), []
     for friction in (0.0, 0.03):
         stage = with_ball(spinning_friction=friction, rolling_friction=0.0)

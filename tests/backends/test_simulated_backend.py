@@ -132,7 +132,7 @@ def test_every_context_of_every_shipped_stage_can_begin(make: type[Simulated], n
         ("</robot>", "", "cannot (be )?read"),
     ],
 )
-def test_a_model_that_does_not_fit_is_refused(
+def test_model_that_does_not_fit_is_refused(
     make: type[Simulated],
     dexter: RobotDocument,
     tmp_path: Path,
@@ -148,7 +148,7 @@ def test_a_model_that_does_not_fit_is_refused(
         make(dexter, urdf)
 
 
-def test_a_model_that_is_not_there_is_refused(
+def test_model_that_is_not_there_is_refused(
     make: type[Simulated], dexter: RobotDocument, tmp_path: Path
 ) -> None:
     with pytest.raises(BackendError, match=r"none\.urdf"):

@@ -31,7 +31,7 @@ def place(backend: Simulated, name: str) -> tuple[float, float]:
     return x, y
 
 
-def test_a_thing_comes_in_its_turn(unseeing: Simulated) -> None:
+def test_thing_comes_in_its_turn(unseeing: Simulated) -> None:
     later = {"place": {"on": "table", "x": 1.2, "y": 0.5}, "from_turn": 2}
     shown = stage({"now": {"place": {"on": "table", "x": 1.2}}, "later": later})
     began(unseeing, shown)
@@ -45,7 +45,7 @@ def test_a_thing_comes_in_its_turn(unseeing: Simulated) -> None:
     assert place(unseeing, "later") == pytest.approx((1.2, 0.5), abs=1e-3)
 
 
-def test_an_undisturbed_episode_is_no_turn(unseeing: Simulated) -> None:
+def test_undisturbed_episode_is_no_turn(unseeing: Simulated) -> None:
     later = {"place": {"on": "table", "x": 1.2, "y": 0.5}, "from_turn": 1}
     shown = stage({"later": later})
     began(unseeing, shown)
@@ -55,7 +55,7 @@ def test_an_undisturbed_episode_is_no_turn(unseeing: Simulated) -> None:
     assert "later" in unseeing.truth.names()
 
 
-def test_a_thing_is_moved_for_good_in_its_turn(unseeing: Simulated) -> None:
+def test_thing_is_moved_for_good_in_its_turn(unseeing: Simulated) -> None:
     own = {"place": {"on": "table", "x": 1.2}, "displaced": [{"turn": 1, "by": [0, 0.25, 0]}]}
     shown = stage({"ball": own}, put_back="moved")
     began(unseeing, shown)
@@ -64,7 +64,7 @@ def test_a_thing_is_moved_for_good_in_its_turn(unseeing: Simulated) -> None:
         assert place(unseeing, "ball") == pytest.approx((1.2, 0.25), abs=1e-6)
 
 
-def test_a_thing_is_scattered_about_its_place_and_within_its_bounds(unseeing: Simulated) -> None:
+def test_thing_is_scattered_about_its_place_and_within_its_bounds(unseeing: Simulated) -> None:
     bounds = {"x": [1.1, 1.4], "y": [-0.1, 0.3]}
     own = {"place": {"on": "table", "x": 1.2}, "scattered": {"deviation": 0.1, **bounds}}
     shown = stage({"ball": own})

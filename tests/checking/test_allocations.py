@@ -100,7 +100,7 @@ def test_groups_are_replaced_independently(tmp_path: Path) -> None:
     assert len(own) == 35 * 9
 
 
-def test_a_program_without_resources_has_itself_alone(tmp_path: Path) -> None:
+def test_program_without_resources_has_itself_alone(tmp_path: Path) -> None:
     (only,) = allocated(look(tmp_path, "{}"))
     assert only.values == {} and only.program is not None
 

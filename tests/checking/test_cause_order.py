@@ -47,7 +47,7 @@ def test_unrelated_documents_are_sorted_by_path_and_line() -> None:
     assert [f.place for f in causes_first(found, Library())] == sorted(places)
 
 
-def test_a_chain_of_any_length_is_followed(tmp_path: Path) -> None:
+def test_chain_of_any_length_is_followed(tmp_path: Path) -> None:
     library, files = Library(tmp_path), [tmp_path / f"{i:05}.yaml" for i in range(3000)]
     for user, used in pairwise(files):
         library._named[library.real(user)] = {used}

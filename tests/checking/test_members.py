@@ -23,16 +23,16 @@ def codes(tmp_path: Path, text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("controllers", ["", "controllers: {}\n"])
-def test_a_program_of_programs_needs_no_controllers(tmp_path: Path, controllers: str) -> None:
+def test_program_of_programs_needs_no_controllers(tmp_path: Path, controllers: str) -> None:
     assert codes(tmp_path, HEAD + POLICY + USE + controllers) == []
 
 
 @pytest.mark.parametrize("use", ["", "use: {}\n"])
-def test_a_program_without_used_programs_needs_controllers(tmp_path: Path, use: str) -> None:
+def test_program_without_used_programs_needs_controllers(tmp_path: Path, use: str) -> None:
     assert codes(tmp_path, HEAD + POLICY + use) == ["CB203 the key 'controllers' is missing"]
 
 
-def test_a_faulty_use_hides_no_further_fault_and_adds_none(tmp_path: Path) -> None:
+def test_faulty_use_hides_no_further_fault_and_adds_none(tmp_path: Path) -> None:
     found = codes(tmp_path, HEAD + POLICY + "use: {left: {prgrm: posture}}\n")
     assert found and not any("'controllers'" in each for each in found)
 

@@ -39,7 +39,7 @@ def found() -> list[Allocation]:
     )
 
 
-def test_a_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Allocation]) -> None:
+def test_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Allocation]) -> None:
     fitting = {"_".join(each.choices.values()): each for each in found if each.program is not None}
     assert fitting.keys() == {
         "left_arm",
@@ -119,7 +119,7 @@ def diagnostics(folder: Path, text: str) -> list[str]:
     ]
 
 
-def test_a_schema_may_exchange_members(tmp_path: Path) -> None:
+def test_schema_may_exchange_members(tmp_path: Path) -> None:
     assert diagnostics(tmp_path, SCHEMA) == []
 
 

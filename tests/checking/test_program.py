@@ -87,7 +87,7 @@ def test_literals_are_si_and_a_single_zero_is_spread() -> None:
     assert primitives["touch"].lead.reference == AlongNormals(2.0)
 
 
-def test_the_chains_lead_from_the_feedback_to_joints() -> None:
+def test_chains_lead_from_the_feedback_to_joints() -> None:
     for name in ("searchtrack", "reachtouch", "visualinspect"):
         for primitive in check_program(name).primitives.values():
             for controller in primitive.controllers:
@@ -125,7 +125,7 @@ def test_unknown_names_are_usage_errors() -> None:
         check_program("searchtrack", {"featur": "hue_1"})
 
 
-def test_a_wrong_value_of_a_parameter_is_a_finding() -> None:
+def test_wrong_value_of_a_parameter_is_a_finding() -> None:
     with pytest.raises(DiagnosticsError, match="CB501"):
         check_program("searchtrack", {"feature": "hue_99"})
 
@@ -157,7 +157,7 @@ def test_closest_pattern_resolves_an_ambiguity(tmp_path: Path) -> None:
         assert len({program.policy[p] for p in matching if p.count("*") == fewest}) == 1
 
 
-def test_a_faulty_part_does_not_hide_the_others_from_its_users(tmp_path: Path) -> None:
+def test_faulty_part_does_not_hide_the_others_from_its_users(tmp_path: Path) -> None:
     text = (
         "parameters: {feature: [hue_1]}\n"
         f"controllers:\n  look: {{{LOOK}, gain: [3]}}\n  watch: {{{LOOK.replace('head', 'hed')}}}\n"
@@ -230,7 +230,7 @@ def test_references_relative_to_the_activation_or_a_resource(tmp_path: Path) -> 
         ("reference: here, standoff: {clearance: 1 cm, least: 1 cm, most: 2 cm}", "CB583"),
     ],
 )
-def test_a_reference_that_does_not_fit_is_one_finding(tmp_path: Path, body: str, code: str) -> None:
+def test_reference_that_does_not_fit_is_one_finding(tmp_path: Path, body: str, code: str) -> None:
     with pytest.raises(DiagnosticsError) as refused:
         references(tmp_path, body.replace("here + [1 cm, 2 cm]", "'here + [1 cm, 2 cm]'"))
     (diagnostic,) = refused.value.diagnostics

@@ -69,7 +69,7 @@ def checked(folder: Path) -> CheckedProgram:
     return program
 
 
-def test_a_number_of_things_is_a_condition(folder: Path) -> None:
+def test_number_of_things_is_a_condition(folder: Path) -> None:
     file = folder / "knowledge/schemas/pick.yaml"
     text = SCHEMA.replace("volume: stereo.$feature.volume", "number: count.$feature")
     file.write_text(text.replace("volume < 2 l", "number > 1"), encoding="utf-8")
@@ -131,7 +131,7 @@ def test_digest_of_a_program_depends_on_its_schema(folder: Path) -> None:
     assert program_digest(using, Library(folder)).sha256 != before.sha256
 
 
-def test_a_schema_has_no_findings_of_its_own(folder: Path) -> None:
+def test_schema_has_no_findings_of_its_own(folder: Path) -> None:
     path = folder / "knowledge" / "schemas" / "pick.yaml"
     assert check_document(path, Session(Library(folder))) == []
 
@@ -157,7 +157,7 @@ def test_unsuitable_schema_is_reported(folder: Path, old: str, new: str, code: s
     assert code in found, found
 
 
-def test_a_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
+def test_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
     path = folder / "programs" / "using.yaml"
     path.write_text(USING.replace("schema: pick", "schema: pick, policy: reachtouch"))
     (found,) = check_document(path, Session(Library(folder)))
@@ -165,7 +165,7 @@ def test_a_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
     assert found.place.line == 5
 
 
-def test_a_schema_of_a_policy_that_has_changed_is_found(tmp_path: Path) -> None:
+def test_schema_of_a_policy_that_has_changed_is_found(tmp_path: Path) -> None:
     """Schemas report a change of one action in their policy's file, as after relearning."""
     for kind in ("schemas", "policies"):
         (tmp_path / "knowledge" / kind).mkdir(parents=True)

@@ -17,7 +17,7 @@ LEARN = (
 RUN = ("run", "reachtouch", "--stage", "wide_table_training", "--backend", "kinematic", "--json")
 
 
-def test_a_schema_is_learned_resumed_and_run(
+def test_schema_is_learned_resumed_and_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     once, again = tmp_path / "once.yaml", tmp_path / "again.yaml"

@@ -31,7 +31,7 @@ def test_explain_all_as_markdown_prints_the_page_of_all_codes(
     assert capsys.readouterr().out == page(every) + "\n"
 
 
-def test_the_page_has_a_section_for_every_code() -> None:
+def test_page_has_a_section_for_every_code() -> None:
     text = page(catalogue().values())
     assert all(f"\n## {code}: {entry.title}" in text for code, entry in catalogue().items())
 
@@ -55,7 +55,7 @@ def test_unknown_code_proposes_one_with_a_similar_number(
     assert f"did you mean '{near}'?" in told if near else "did you mean" not in told
 
 
-def test_the_version_is_reported(
+def test_version_is_reported(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "--version") == 0

@@ -79,7 +79,7 @@ def test_action_words_are_parsed(
     assert read_action(text) == (label, program, values)
 
 
-def test_an_invalid_action_is_reported() -> None:
+def test_invalid_action_is_reported() -> None:
     for text in ("", ":a=b", "2=reachtouch", "reachtouch:feature="):
         with pytest.raises(UsageError, match="is not an action"):
             read_action(text)
@@ -94,7 +94,7 @@ def rows(path: Path) -> list[dict[str, object]]:
     return [json.loads(line) for line in path.read_text("utf-8").splitlines()[1:]]
 
 
-def test_a_catalog_is_explored_resumed_and_shown(
+def test_catalog_is_explored_resumed_and_shown(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["explore", "searchtrack", "reachtouch", *ON, "--seed", "4", "--out", "ball.yaml"]
@@ -151,7 +151,7 @@ def test_actions_join_an_exploration_that_has_begun(
     assert "what was there has to stay" in capsys.readouterr().err
 
 
-def test_an_action_that_cannot_run_is_left_out_and_the_rest_goes_on(
+def test_action_that_cannot_run_is_left_out_and_the_rest_goes_on(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from cbdsl.runtime.episode import EpisodeError
@@ -196,7 +196,7 @@ def test_expect_prints_predictions_beside_outcomes(
     assert told["brier"] == pytest.approx(sum(errors) / 3)
 
 
-def test_a_damaged_journal_names_its_line(
+def test_damaged_journal_names_its_line(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = [*LOOK, "--out", "ball.yaml"]

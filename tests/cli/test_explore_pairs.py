@@ -158,7 +158,7 @@ def test_explore_with_a_stack_as_an_object_writes_a_catalog_above_the_stacks(
     assert cb(monkeypatch, "show", "meta-catalog", "grown.yaml", "--svg") == 0
 
 
-def test_a_shipped_catalog_of_a_stack_gives_programs_the_likeness_of_the_grown_stack(
+def test_shipped_catalog_of_a_stack_gives_programs_the_likeness_of_the_grown_stack(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (here / "sees.yaml").write_text(

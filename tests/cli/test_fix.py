@@ -39,7 +39,7 @@ def test_uncertain_matches_are_skipped_and_reported(
     assert "xyzzy" in printed.out and "fixed" not in printed.err
 
 
-def test_the_standard_input_cannot_be_corrected(
+def test_standard_input_cannot_be_corrected(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "validate", "-", "--fix") == 2

@@ -80,7 +80,7 @@ def test_invalid_yaml_is_reported_and_the_rest_continues(
     assert (here / "bad.yaml").read_text("utf-8") == bad
 
 
-def test_the_standard_input_is_printed(
+def test_standard_input_is_printed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(UNEVEN.encode())))

@@ -15,7 +15,7 @@ from tests.cli.test_main import BAD, ROOT, cb
 PAGE = (ROOT / "docs" / "ci.md").read_text("utf-8")
 
 
-def test_the_pre_commit_hook_takes_the_shipped_documents_and_no_others() -> None:
+def test_pre_commit_hook_takes_the_shipped_documents_and_no_others() -> None:
     (hook,) = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))
     program, command = hook["entry"].split()
     assert program == "cb" and command in COMMANDS
@@ -30,7 +30,7 @@ def test_the_pre_commit_hook_takes_the_shipped_documents_and_no_others() -> None
 @pytest.mark.parametrize(
     ("name", "owner"), [("type_clash", "cb-error"), ("unused_controller", "cb-warning")]
 )
-def test_the_problem_matcher_finds_places(
+def test_problem_matcher_finds_places(
     name: str, owner: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     block = re.search(r"```json\n(.*?)```", PAGE, re.DOTALL)

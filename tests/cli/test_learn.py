@@ -194,7 +194,7 @@ def test_unusable_folder_of_models_is_reported_before_the_episodes(
     assert list((here / "policies").iterdir()) == []
 
 
-def test_the_start_of_a_resumed_trial_is_reported(
+def test_start_of_a_resumed_trial_is_reported(
     begun: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(begun)
@@ -258,7 +258,7 @@ def test_policy_learned_on_bullet_resumes_validates_and_runs(
     assert presented and all(row["rewarded"] for row in presented)
 
 
-def test_a_policy_of_a_program_that_changed_is_refused_before_it_runs(
+def test_policy_of_a_program_that_changed_is_refused_before_it_runs(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")

@@ -124,7 +124,7 @@ def test_wrong_calls_exit_with_2(
     assert printed and "Traceback" not in printed
 
 
-def test_a_folder_without_documents_is_a_wrong_call(
+def test_folder_without_documents_is_a_wrong_call(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert cb(monkeypatch, "validate", str(tmp_path)) == 2
@@ -155,7 +155,7 @@ def test_table_of_show_equals_its_json(
     assert listed and all(str(next(iter(row.values()))) in table for row in listed)
 
 
-def test_a_programs_stack_is_shown_from_the_highest_priority(
+def test_programs_stack_is_shown_from_the_highest_priority(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "program", "reachtouch", "--json") == 0

@@ -79,7 +79,7 @@ def test_new_robot_without_movable_joints_lists_the_joints(
     assert "1 is floating" in said
 
 
-def test_the_model_is_found_and_postures_are_within_its_limits(
+def test_model_is_found_and_postures_are_within_its_limits(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     joint = '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/>{}</joint>'
@@ -145,7 +145,7 @@ def test_things_of_a_new_stage_are_within_a_limbs_reach(
     assert 0.3 * length < math.dist(shoulder, middle) < 1.2 * length
 
 
-def test_a_model_without_a_name_gets_the_robots(
+def test_model_without_a_name_gets_the_robots(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     desk = next(path for path in MODELS if path.name == "desk.urdf")
@@ -184,7 +184,7 @@ def test_margin_of_a_narrow_joint_leaves_a_part_of_its_range(
     assert cb(monkeypatch, "new", "robot", "spring", "--urdf", str(model)) == 0
 
 
-def test_the_first_line_names_a_schema_that_is_there(
+def test_first_line_names_a_schema_that_is_there(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for kind in ("program", "stage"):

@@ -88,7 +88,7 @@ def test_no_command_writes_through_a_planted_link(
 
 
 @pytest.mark.parametrize("words", ["fmt .", "fmt theirs", "validate . --fix"])
-def test_a_command_for_a_folder_leaves_linked_files(
+def test_command_for_a_folder_leaves_linked_files(
     words: str, theirs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     victim = tmp_path / "mine.yaml"

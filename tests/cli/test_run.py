@@ -165,7 +165,7 @@ def test_run_without_the_simulator_names_the_extra(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a screen is always there")
-def test_a_window_without_a_screen_is_refused() -> None:
+def test_window_without_a_screen_is_refused() -> None:
     done = cb_process("run", "searchtrack", "--gui", DISPLAY=None, WAYLAND_DISPLAY=None)
     assert done.returncode == 2
     assert done.stdout == ""
@@ -174,7 +174,7 @@ def test_a_window_without_a_screen_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_the_same_call_prints_the_same_bytes(tmp_path: Path) -> None:
+def test_same_call_prints_the_same_bytes(tmp_path: Path) -> None:
     """Repeated calls differ in the wall time alone."""
     call = ("run", "reachtouch", "--stage", "table_right", "--seed", "70011", "--episodes", "2")
     runs = [cb_process(*call, "--json") for _ in range(2)]
@@ -199,7 +199,7 @@ def test_run_prints_transitions_and_writes_recordings(
     ]
 
 
-def test_the_shipped_programs_are_found_from_anywhere(
+def test_shipped_programs_are_found_from_anywhere(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert not (here / "programs").exists() and here != ROOT
@@ -289,7 +289,7 @@ def test_recording_up_to_an_interrupt_is_kept(
 
 
 @pytest.mark.parametrize("command", ["run", "learn"])
-def test_the_help_names_the_backends(
+def test_help_names_the_backends(
     command: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert test_main.cb(monkeypatch, command, "--help") == 0

@@ -75,7 +75,7 @@ def test_json_is_versioned_and_complete(printed: Any) -> None:
     assert files == [CLASH.name, "dexter.yaml", "dexter.yaml"]
 
 
-def test_the_keys_of_json_are_documented(printed: Any) -> None:
+def test_keys_of_json_are_documented(printed: Any) -> None:
     page = (ROOT / "docs" / "ci.md").read_text("utf-8")
     _, text = printed("--json", str(CLASH))
 
@@ -165,9 +165,7 @@ def test_no_format_imports_anything_heavy(form: str) -> None:
 # -- the standard input ----------------------------------------------------------------------
 
 
-def test_the_standard_input_stands_for_a_file(
-    monkeypatch: pytest.MonkeyPatch, printed: Any
-) -> None:
+def test_standard_input_stands_for_a_file(monkeypatch: pytest.MonkeyPatch, printed: Any) -> None:
     standard_input(monkeypatch, CLASH.read_bytes().replace(b"stereo.hue_4", b"stereo.hue_44"))
     code, text = printed("-", "--stdin-name", str(CLASH))
     assert code == 1
@@ -175,7 +173,7 @@ def test_the_standard_input_stands_for_a_file(
     assert "reference: stereo.hue_44" in text  # the snippet is from the standard input
 
 
-def test_the_standard_input_needs_no_name(monkeypatch: pytest.MonkeyPatch, printed: Any) -> None:
+def test_standard_input_needs_no_name(monkeypatch: pytest.MonkeyPatch, printed: Any) -> None:
     standard_input(monkeypatch, SEARCHTRACK.read_bytes())
     assert printed("-") == (0, "1 document, no findings\n")
     standard_input(monkeypatch, b"\xff")
@@ -228,11 +226,11 @@ def codes(folder: Path, text: str) -> list[str]:
         (HEAD + IDLE.replace("head,", "hed,") + " # cb: ignore CB501 not yet" + REST, []),
     ],
 )
-def test_a_comment_silences_one_finding(tmp_path: Path, text: str, wanted: list[str]) -> None:
+def test_comment_silences_one_finding(tmp_path: Path, text: str, wanted: list[str]) -> None:
     assert codes(tmp_path, text) == wanted
 
 
-def test_a_silenced_error_still_keeps_a_program_from_running(tmp_path: Path) -> None:
+def test_silenced_error_still_keeps_a_program_from_running(tmp_path: Path) -> None:
     from cbdsl.checking.program import check_program
     from cbdsl.diagnostics.errors import DiagnosticsError
 
@@ -245,7 +243,7 @@ def test_a_silenced_error_still_keeps_a_program_from_running(tmp_path: Path) -> 
 # -- checked files ---------------------------------------------------------------------------
 
 
-def test_a_name_stands_for_its_documents(
+def test_name_stands_for_its_documents(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, printed: Any
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -308,7 +306,7 @@ def test_special_files_are_one_finding_each_and_the_rest_is_checked(tmp_path: Pa
 
 
 @pytest.mark.parametrize("document", ["program", "robot"])
-def test_a_command_that_is_given_a_pipe_does_not_wait(document: str, tmp_path: Path) -> None:
+def test_command_that_is_given_a_pipe_does_not_wait(document: str, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")
     words = {"program": ["run", "pipe.yaml"], "robot": ["validate", "robot.yaml"]}[document]
     robot = "cbdsl: 1\nkind: robot\nname: robot\nmodel: pipe.yaml\nbase: base\neffectors:\n"
@@ -319,7 +317,7 @@ def test_a_command_that_is_given_a_pipe_does_not_wait(document: str, tmp_path: P
     assert "it is a named pipe" in done.stdout
 
 
-def test_a_standard_input_without_an_end_is_too_large(
+def test_standard_input_without_an_end_is_too_large(
     monkeypatch: pytest.MonkeyPatch, printed: Any
 ) -> None:
     with open("/dev/zero", "rb") as endless:

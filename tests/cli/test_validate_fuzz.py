@@ -52,5 +52,5 @@ def test_any_bytes_are_reported(tmp_path: Path, content: bytes) -> None:
 @pytest.mark.slow
 @settings(TOLERANT, max_examples=MANY)
 @given(content=documents() | st.binary(), form=st.sampled_from(list(FORMATS)))
-def test_a_great_many_mutations_are_reported(tmp_path: Path, content: bytes, form: str) -> None:
+def test_great_many_mutations_are_reported(tmp_path: Path, content: bytes, form: str) -> None:
     survives(tmp_path, content, form)

@@ -281,7 +281,7 @@ def test_slot_acts_only_while_its_required_slot_acts(rng: np.random.Generator) -
         assert (bench.plan.slots["mode"][1] == TRACK) == engaged
 
 
-def test_a_search_begins_once_its_leader_is_near_and_ends_with_its_joints(
+def test_search_begins_once_its_leader_is_near_and_ends_with_its_joints(
     rng: np.random.Generator,
 ) -> None:
     follower = CASES[1]._replace(search=Search(True, 0.1, 0.5, (4, 8)))

@@ -306,7 +306,7 @@ def test_recovery_at_full_speed_leaves_the_other_joints_their_task(
     assert np.abs(np.delete(step.displacement, [1, 4])).min() > 0
 
 
-def test_a_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
+def test_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
     """Lower levels have a share in that joint that is only rounding."""
     high = Level("high", np.array([[0.3, 0.1, 0.0, 0.0], [0.1, -0.2, 0.0, 0.0]]), np.ones(2))
     low = Level("low", np.array([[0.7, 0.9, 0.6, 0.8]]), np.array([0.001]))
@@ -328,7 +328,7 @@ def test_joint_at_full_speed_does_not_shorten_the_motion_of_others(seed: int) ->
     assert both[2:].max() == pytest.approx(DEXTER.joint_step)
 
 
-def test_a_joint_leaves_its_limit_freely() -> None:
+def test_joint_leaves_its_limit_freely() -> None:
     law = Law(np.full(3, -1.0), np.full(3, 1.0), DEXTER)
     q = np.array([0.9705, 0.0, -0.9705])  # just inside the margin on either side
     levels = [Level("posture", np.eye(3), np.array([-0.01, 0.0, 0.01]))]

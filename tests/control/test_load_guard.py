@@ -99,7 +99,7 @@ def test_retreating_tip_is_not_changed_by_its_guard() -> None:
     assert not it.guard["held"]
 
 
-def test_the_forces_of_a_hand_add_up(free: np.ndarray) -> None:
+def test_forces_of_a_hand_add_up(free: np.ndarray) -> None:
     forces = np.vstack([alone(0.3 * BOUND), alone(0.5 * BOUND)])
     assert Pressing(forces).motion()[0] == pytest.approx(0.2 * PACE, abs=1e-9)
     forces = np.vstack([alone(5 * BOUND), alone(-4.9 * BOUND)])

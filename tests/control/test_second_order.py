@@ -431,7 +431,7 @@ def test_step_down_a_curvature_needs_more_than_the_rows_of_the_level(
 
 
 @pytest.mark.parametrize(("bend", "leaves"), [(-0.0049, False), (-0.0051, True)])
-def test_a_curvature_below_a_tenth_of_the_error_is_not_left(bend: float, leaves: bool) -> None:
+def test_curvature_below_a_tenth_of_the_error_is_not_left(bend: float, leaves: bool) -> None:
     guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05, 0.5)
     step, resisted = step_of(np.diag([0.0, bend]), np.array([0.5]), np.zeros(1), guards, way)
     assert (bool(step.any()), len(resisted)) == (leaves, leaves)

@@ -14,7 +14,7 @@ from cbdsl.diagnostics.wording import diagnose
 PLACE = Place("a.yaml", 2, 9, 13)
 
 
-def test_the_caret_stands_under_the_fault() -> None:
+def test_caret_stands_under_the_fault() -> None:
     text = render(Diagnostic("CB404", "no 'trak'", PLACE), "one\nactions: trak, x\n")
     assert text.split("\n") == [
         "a.yaml:2:9: CB404 no 'trak'",
@@ -46,7 +46,7 @@ def test_hints_follow_the_message() -> None:
     ]
 
 
-def test_a_place_beyond_the_text_has_no_snippet() -> None:
+def test_place_beyond_the_text_has_no_snippet() -> None:
     assert "\n" not in render(Diagnostic("CB404", "m", PLACE), "one line")
 
 

@@ -100,7 +100,7 @@ def test_bad_documents_are_valid_where_the_models_accept_them(path: Path) -> Non
     assert is_valid(data) == (fits(data) or path.stem in BEYOND_SCHEMAS)
 
 
-def test_the_bad_documents_hold_every_fault_of_shape() -> None:
+def test_bad_documents_hold_every_fault_of_shape() -> None:
     session = Session(Library(BAD))
     invalid = [path for path in READABLE_BAD if not is_valid(plain(path))]
     codes = {d.code for path in invalid for d in check_document(path, session=session)}
@@ -211,7 +211,7 @@ def _default(value: dict[str, Any]) -> list[Any]:
     return [value["default"]] if "default" in value else []
 
 
-def test_a_document_of_another_kind_is_invalid() -> None:
+def test_document_of_another_kind_is_invalid() -> None:
     for path in SHIPPED:
         data = plain(path)
         others = [kind for kind in KINDS if kind != data["kind"]]

@@ -20,20 +20,20 @@ def _box(**pattern: Any) -> BoxForm:
     return BoxForm.model_validate({**form, "pattern": {"height": "15 cm", **pattern}})
 
 
-def test_a_pattern_has_room_on_the_smallest_box_that_can_be_drawn() -> None:
+def test_pattern_has_room_on_the_smallest_box_that_can_be_drawn() -> None:
     assert _box(face="-x", stripes=["1 cm"] * 19).pattern is not None
     with pytest.raises(ValidationError, match="larger than the side"):
         _box(face="-x", stripes=["1 cm"] * 21)
 
 
 @pytest.mark.parametrize("face", ["-y", "+y"])
-def test_the_sides_are_as_wide_as_the_box_is_deep(face: str) -> None:
+def test_sides_are_as_wide_as_the_box_is_deep(face: str) -> None:
     assert _box(face=face, stripes=["1 cm"] * 9).pattern is not None
     with pytest.raises(ValidationError, match="larger than the side"):
         _box(face=face, stripes=["1 cm"] * 11)
 
 
-def test_a_pattern_is_no_higher_than_the_box() -> None:
+def test_pattern_is_no_higher_than_the_box() -> None:
     with pytest.raises(ValidationError, match="larger than the side"):
         _box(stripes=["1 cm"], height="16 cm")
 
@@ -46,7 +46,7 @@ def test_stripes_have_widths_and_end_with_a_bar(stripes: list[str]) -> None:
 
 @pytest.mark.parametrize(("radius", "fits"), [("5 cm", True), ("5.1 cm", False)])
 @pytest.mark.parametrize("face", ["-x", "+y"])
-def test_a_spot_has_room_on_the_smallest_thing_that_can_be_drawn(
+def test_spot_has_room_on_the_smallest_thing_that_can_be_drawn(
     radius: str, fits: bool, face: str
 ) -> None:
     spot = {"face": face, "radius": radius, "color": [0, 0, 1]}

@@ -23,7 +23,7 @@ def test_all_misspellings_of_a_line_are_corrected() -> None:
     )
 
 
-def test_a_name_within_a_longer_text_is_found_in_it() -> None:
+def test_name_within_a_longer_text_is_found_in_it() -> None:
     wide = diagnostic("sprung", "spring", 1, 1, 30)
     assert fix(wide, TEXT.splitlines()) == Fix(1, 16, 22, "spring")
 

@@ -84,7 +84,7 @@ def test_any_bytes_are_read_to_their_end(parts: list[bytes]) -> None:
     assert len(read) <= sum(part.count(b"\n") + 1 for part in parts)
 
 
-def test_the_server_goes_on_after_bytes_without_a_length(tmp_path: Path) -> None:
+def test_server_goes_on_after_bytes_without_a_length(tmp_path: Path) -> None:
     pytest.importorskip("pygls")
     client = Client(tmp_path)
     client.send_bytes(BODY)
@@ -114,7 +114,7 @@ def test_the_server_goes_on_after_bytes_without_a_length(tmp_path: Path) -> None
         (b'{"jsonrpc": "2.0", "id": 8, "method": "textDocument/hover", "params": [1]}', -32602, 8),
     ],
 )
-def test_the_server_answers_a_body_that_it_cannot_read(
+def test_server_answers_a_body_that_it_cannot_read(
     body: bytes, code: int, number: object, tmp_path: Path
 ) -> None:
     pytest.importorskip("pygls")

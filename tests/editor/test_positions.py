@@ -189,7 +189,7 @@ def test_places_in_other_files_are_in_the_announced_encoding(
         assert part[offset(part, start, "utf-8") :].startswith("$goal")
 
 
-def test_a_definition_elsewhere_has_an_absolute_address(tmp_path: Path) -> None:
+def test_definition_elsewhere_has_an_absolute_address(tmp_path: Path) -> None:
     """Addresses are absolute even if the server runs in the folder of the documents."""
     for folder, name, text in (
         ("programs/stages", "mine", "cbdsl: 1\nkind: stage\nname: mine\nrobot: dexter\n"),

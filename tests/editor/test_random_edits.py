@@ -60,7 +60,7 @@ def type_and_ask(edits: int, seed: int) -> None:
             renaming(buffers, path, at)
 
 
-def test_a_few_hundred_edits() -> None:
+def test_few_hundred_edits() -> None:
     type_and_ask(300, seed=1)
 
 

@@ -59,7 +59,7 @@ def _unexpected(counts: dict[str, int]) -> dict[str, int]:
     return {code: count for code, count in counts.items() if code not in EXPECTED}
 
 
-def test_a_controller_is_renamed_in_its_program_and_its_policies(here: Path) -> None:
+def test_controller_is_renamed_in_its_program_and_its_policies(here: Path) -> None:
     named = rename(here, "programs/searchtrack.yaml", "search ◁ ", "follow")
     assert named is not None and named.old == "track"
     files = {path.relative_to(here).as_posix() for path in named.spots}
@@ -75,7 +75,7 @@ def test_a_controller_is_renamed_in_its_program_and_its_policies(here: Path) -> 
     assert {*diagnostics(".")} <= EXPECTED
 
 
-def test_a_parameter_is_renamed_in_its_program(here: Path) -> None:
+def test_parameter_is_renamed_in_its_program(here: Path) -> None:
     named = rename(here, "programs/posture.yaml", "effector: $", "limb")
     assert named is not None and named.old == "arm"
     text = (here / "programs/posture.yaml").read_text("utf-8")
@@ -84,7 +84,7 @@ def test_a_parameter_is_renamed_in_its_program(here: Path) -> None:
 
 
 @pytest.mark.parametrize("mark", ["effector: $", "roles: {", "other than ", " on "])
-def test_a_role_is_renamed_in_its_program_with_its_relations(here: Path, mark: str) -> None:
+def test_role_is_renamed_in_its_program_with_its_relations(here: Path, mark: str) -> None:
     roles = "{arm: effector of position, hand: effector of configuration on arm, "
     roles += "second: arm other than arm}"
     (here / "programs/pair.yaml").write_text(

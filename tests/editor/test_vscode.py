@@ -48,7 +48,7 @@ def test_extension_activates_and_reports_diagnostics(folder: Path) -> None:
         ({"CBDSL": "/nowhere"}, "'/nowhere' is not the folder of the project: CBDSL="),
     ],
 )
-def test_a_missing_test_dependency_is_reported(
+def test_missing_test_dependency_is_reported(
     given: dict[str, str], told: str, folder: Path
 ) -> None:
     sound = {"CB": str(Path(sys.executable).with_name("cb")), "CBDSL": str(ROOT)}

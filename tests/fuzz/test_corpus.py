@@ -39,7 +39,7 @@ def test_every_kind_of_document_is_an_entry_point() -> None:
     assert set(KINDS.builtins) <= set(MODULES)
 
 
-def test_the_algebra_of_patterns_is_held_to_sets(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_algebra_of_patterns_is_held_to_sets(monkeypatch: pytest.MonkeyPatch) -> None:
     """Notice a wrong reader: patterns are compared with the sets of their states."""
     from tests.fuzz import language
 
@@ -50,7 +50,7 @@ def test_the_algebra_of_patterns_is_held_to_sets(monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.slow
 @pytest.mark.skipif(find_spec("atheris") is None, reason="atheris is not installed (extra fuzz)")
-def test_a_fuzzer_finds_a_fault_by_its_branches() -> None:
+def test_fuzzer_finds_a_fault_by_its_branches() -> None:
     """Find three letters in a row, the first of which only coverage reveals."""
     script = (
         "import sys, atheris\n"

@@ -113,7 +113,7 @@ def test_every_point_of_a_link_turns_as_the_link(
 
 
 @pytest.mark.parametrize("link", LINKS)
-def test_a_link_turns_in_its_own_axes_as_in_the_world(
+def test_link_turns_in_its_own_axes_as_in_the_world(
     kinematics: Kinematics, posture: np.ndarray, link: str
 ) -> None:
     kinematics.update(posture)
@@ -186,7 +186,7 @@ def test_passive_joints_follow(kinematics: Kinematics, posture: np.ndarray) -> N
     assert every[other] == every[spread]
 
 
-def test_the_arms_mirror_each_other(dexter: RobotDocument, kinematics: Kinematics) -> None:
+def test_arms_mirror_each_other(dexter: RobotDocument, kinematics: Kinematics) -> None:
     posture = np.zeros(len(kinematics.joints))
     for arm in ("left_arm", "right_arm"):
         posture[kinematics.joints.of(arm)] = dexter.effectors[arm].postures["home"]
@@ -195,18 +195,18 @@ def test_the_arms_mirror_each_other(dexter: RobotDocument, kinematics: Kinematic
     assert left == pytest.approx(right * [1, -1, 1], abs=1e-3)
 
 
-def test_an_unknown_link_is_named(kinematics: Kinematics) -> None:
+def test_unknown_link_is_named(kinematics: Kinematics) -> None:
     with pytest.raises(KeyError, match="no_such_link"):
         kinematics.frame("no_such_link")
 
 
-def test_a_model_that_cannot_be_read_says_so(dexter: RobotDocument, tmp_path: Path) -> None:
+def test_model_that_cannot_be_read_says_so(dexter: RobotDocument, tmp_path: Path) -> None:
     (tmp_path / "no.urdf").write_text("<robot name='no'><joint/></robot>", encoding="utf-8")
     with pytest.raises(UrdfError, match=r"no\.urdf"):
         Kinematics(dexter, tmp_path / "no.urdf")
 
 
-def test_a_correction_displaces_the_camera_and_nothing_else(
+def test_correction_displaces_the_camera_and_nothing_else(
     dexter: RobotDocument, kinematics: Kinematics, urdf: Path
 ) -> None:
     own = Correction(position=(0.01, -0.02, 0.03), rotation=(0.0, 0.0, 0.1))

@@ -20,7 +20,7 @@ def test_distance_is_that_to_the_nearest_point(n: int, rng: np.random.Generator)
         )
 
 
-def test_a_sphere_is_a_point_with_a_radius() -> None:
+def test_sphere_is_a_point_with_a_radius() -> None:
     ball = Obstacle.sphere("ball", np.array([1.0, 2.0, 3.0]), 0.5)
     assert ball.distance(np.array([1.0, 2.0, 5.0])) == pytest.approx(1.5)
     assert ball.grown(0.25).distance(np.array([1.0, 2.0, 5.0])) == pytest.approx(1.25)

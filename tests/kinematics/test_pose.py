@@ -31,13 +31,13 @@ def test_rotations_of_several_vectors_equal_single_ones(one: np.ndarray, other: 
 
 
 @given(quaternions)
-def test_a_quaternion_comes_back_up_to_its_sign(quaternion: np.ndarray) -> None:
+def test_quaternion_comes_back_up_to_its_sign(quaternion: np.ndarray) -> None:
     again = Pose.of((0, 0, 0), tuple(quaternion)).quaternion()
     assert abs(np.dot(again, quaternion)) == pytest.approx(1)
 
 
 @given(quaternions, st.floats(-3, 3))
-def test_a_turn_keeps_its_axis_and_has_its_angle(quaternion: np.ndarray, angle: float) -> None:
+def test_turn_keeps_its_axis_and_has_its_angle(quaternion: np.ndarray, angle: float) -> None:
     axis = rotations(quaternion)[:, 0]
     rotation = Pose.turned(axis, angle).rotation
     assert rotation @ axis == pytest.approx(axis)

@@ -60,7 +60,7 @@ def test_tip_position_agrees_with_pinocchio(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [*ARMS, *LEGS])
-def test_a_limb_can_move_its_tip_every_way(name: str) -> None:
+def test_limb_can_move_its_tip_every_way(name: str) -> None:
     model = _model(name)
     for chain in (each for each in chains(model) if len(each.joints) >= 3):
         row = ReadyPosture(model, chain.joints, chain.tip)

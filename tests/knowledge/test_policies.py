@@ -155,7 +155,7 @@ def test_policy_of_a_carrying_program_runs_on_mujoco(
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "seed"), EPISODES)
-def test_a_policy_passes_the_same_states_on_both_backends(
+def test_policy_passes_the_same_states_on_both_backends(
     bullet: BulletBackend, kinematic: KinematicBackend, play: Play, name: str, seed: int
 ) -> None:
     one, other = play(bullet, name, seed), play(kinematic, name, seed)

@@ -65,7 +65,7 @@ PIECES = st.lists(
 
 
 @given(EXPRESSIONS.map(str) | PIECES)
-def test_the_language_is_that_of_one_regular_expression(text: str) -> None:
+def test_language_is_that_of_one_regular_expression(text: str) -> None:
     try:
         parse(text)
     except CompositionError as error:

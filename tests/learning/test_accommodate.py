@@ -24,7 +24,7 @@ def knowledge(learner: Accommodate) -> object:
     return dict(learner.values.items()), dict(learner.counts.items()), learner.densities()
 
 
-def test_a_rewarded_transition_ends_its_episode(made: Made) -> None:
+def test_rewarded_transition_ends_its_episode(made: Made) -> None:
     learner = Accommodate(ACTIONS, AccommodateConstants(alpha=1.0))
     learner.see(made("X1", "search", "0X"))
     learner.see(made("0X", "track", "X1"))
@@ -89,7 +89,7 @@ def test_learner_explores_only_in_exploring_episodes(
     assert chosen == (set(ACTIONS) if explores else {"track"})
 
 
-def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> None:
+def test_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> None:
     learner = Accommodate(("find", "track"), AccommodateConstants(alpha=1.0), {0: "find"})
     explorer = learner.policy(np.random.default_rng(0))
     for _ in range(2):
@@ -102,7 +102,7 @@ def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> 
     assert dict(learner.counts.items())["0X"] == {"find": {"1X": 2}}
 
 
-def test_a_program_that_the_end_of_an_episode_cut_short_is_worth_nothing(made: Made) -> None:
+def test_program_that_the_end_of_an_episode_cut_short_is_worth_nothing(made: Made) -> None:
     learner = Accommodate(("find", "track"), AccommodateConstants(alpha=1.0), {0: "find"})
     learner.see(made("XX", "find", "0X"))
     learner.see(made("1X", "track", "X1"))
@@ -116,7 +116,7 @@ def test_effector_without_reward_has_no_density(made: Made) -> None:
     assert learner.densities() == {}
 
 
-def test_a_policy_covers_the_states_in_which_something_was_tried_and_then_all_others(
+def test_policy_covers_the_states_in_which_something_was_tried_and_then_all_others(
     made: Made,
 ) -> None:
     learner = Accommodate(ACTIONS, AccommodateConstants())

@@ -66,7 +66,7 @@ def taught(
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_side_decides_the_arm_and_the_distance_whether_there_is_reward(
+def test_side_decides_the_arm_and_the_distance_whether_there_is_reward(
     schema: CheckedProgram, seed: int
 ) -> None:
     learner, rng = taught(schema, 60, seed), np.random.default_rng(seed + 100)
@@ -137,7 +137,7 @@ def test_single_differing_sample_gives_no_split() -> None:
     assert grow(samples, certain(7 * "a" + "b" + 12 * "a"), len, 1) == Leaf(20)
 
 
-def test_a_wide_gap_is_preferred_to_a_narrow_one() -> None:
+def test_wide_gap_is_preferred_to_a_narrow_one() -> None:
     """Prefer, of features that separate equally well, the one observed on two sides alone."""
     samples = [{"x": 0.1 * i, "y": float(i > 9)} for i in range(20)]
     (split,) = splits(grow(samples, certain(10 * "a" + 10 * "b"), tuple, 1))
@@ -213,7 +213,7 @@ def test_equal_labels_need_no_question() -> None:
     assert grow([], certain(""), len, 1) == Leaf(0)
 
 
-def test_a_threshold_lies_between_its_neighbours() -> None:
+def test_threshold_lies_between_its_neighbours() -> None:
     samples = 4 * [{"x": 0.0001}] + 4 * [{"x": 0.0002}]
     tree = grow(samples, certain("aaaabbbb"), tuple, 1)
     assert [split.threshold for split in splits(tree)] == [0.0001]
@@ -265,7 +265,7 @@ def test_tally_ranks_by_probability_and_omits_failures() -> None:
     assert first.count("b") > first.count("a") > first.count("c") > 0
 
 
-def test_the_first_attempt_is_to_blame_where_nothing_was_rewarded(schema: CheckedProgram) -> None:
+def test_first_attempt_is_to_blame_where_nothing_was_rewarded(schema: CheckedProgram) -> None:
     """Blame the first attempt, because later ones find the object where the first has left it."""
     left, right = (TriedContext({"x": x}, {"a": x > 0}) for x in (0.4, -0.4))
     spoiled = TriedContext({"x": -0.5}, {"a": False, "b": False})
@@ -353,7 +353,7 @@ def test_drawn_ranking_of_a_tally_follows_the_beta_distribution() -> None:
     assert second / 4000 == pytest.approx(1 / 3, abs=0.025)
 
 
-def test_a_few_successes_are_weighed_against_none_by_laplace_s_rule() -> None:
+def test_few_successes_are_weighed_against_none_by_laplace_s_rule() -> None:
     """1 of 1 is 2/3, 2 of 3 is 3/5, and 5 of 7 is between them."""
     names = ("two_of_three", "five_of_seven", "one_of_one", "five_of_six")
     tally = Tally((2.0, 5.0, 1.0, 5.0), (1.0, 2.0, 0.0, 1.0))
@@ -372,7 +372,7 @@ def test_tally_tree_of_no_samples_is_an_empty_leaf() -> None:
 
 
 @pytest.mark.parametrize(("last", "asked"), [(1.9, False), (2.1, True)])
-def test_the_evidence_decides_whether_a_question_is_asked(last: float, asked: bool) -> None:
+def test_evidence_decides_whether_a_question_is_asked(last: float, asked: bool) -> None:
     """Compute by hand: of a, a and b the gap before b counts, which has to be half of all.
 
     Their chance is 2! 1! / 4! without the question, and 2! / 3! times 1! / 2! with it, twice that.
@@ -439,7 +439,7 @@ def test_likelihoods_are_reported_in_thousandths(schema: CheckedProgram) -> None
     assert learner.reward() == Leaf(0.714)
 
 
-def test_a_ranking_of_several_is_written_whole(schema: CheckedProgram) -> None:
+def test_ranking_of_several_is_written_whole(schema: CheckedProgram) -> None:
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)
     here, both = features(schema, 0.5, 0.4), {"left_arm": True, "right_arm": True}

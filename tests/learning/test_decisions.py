@@ -19,7 +19,7 @@ def test_controller_transition_is_its_own_decision(made: Made) -> None:
     assert decisions.over(step) == step
 
 
-def test_a_program_that_was_cut_off_does_not_reach_into_the_next_episode(made: Made) -> None:
+def test_program_that_was_cut_off_does_not_reach_into_the_next_episode(made: Made) -> None:
     decisions = Decisions({0: "find"})
     assert decisions.over(made("X-", "find", "0-")) is None
     over = decisions.over(made("XX", "track", "X1"))

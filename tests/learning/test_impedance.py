@@ -24,7 +24,7 @@ def profile(stiff: dict[str, float]) -> ImpedanceProfile:
     return ImpedanceProfile(tuple(tests))
 
 
-def test_an_axis_is_tracked_where_one_way_is() -> None:
+def test_axis_is_tracked_where_one_way_is() -> None:
     tracked = profile({"dPz": 0.002, "dRx": 0.01}).tracked()
     assert [name for name, each in tracked.items() if each] == ["dPz", "dRx"]
 
@@ -43,14 +43,14 @@ def test_forces_and_torques_have_scales_of_their_own() -> None:
     assert shares["dPx"] == pytest.approx(0.01) and shares["dRy"] == pytest.approx(0.05)
 
 
-def test_a_profile_without_a_test_is_not_whole() -> None:
+def test_profile_without_a_test_is_not_whole() -> None:
     whole = profile({})
     assert whole.is_whole
     assert not ImpedanceProfile(whole.tests[1:]).is_whole
     assert math.isnan(ImpedanceProfile(()).impedances()["dPx"])
 
 
-def test_a_profile_is_written_and_read() -> None:
+def test_profile_is_written_and_read() -> None:
     before = profile({"dPz": 0.002})
     assert ImpedanceProfile.from_data(json.loads(json.dumps(before.as_data()))) == before
 
@@ -63,7 +63,7 @@ def test_a_profile_is_written_and_read() -> None:
         ({"lode": 1.0}, "missing or unknown: lode"),
     ],
 )
-def test_a_row_that_is_no_test_says_why(change: dict[str, Any], why: str) -> None:
+def test_row_that_is_no_test_says_why(change: dict[str, Any], why: str) -> None:
     rows = profile({}).as_data()
     rows[3] = {**rows[3], **change}
     with pytest.raises(ValueError, match=f"test 3: {why}"):

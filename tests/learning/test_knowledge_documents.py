@@ -38,7 +38,7 @@ def summary() -> TrialSummary:
     return TrialSummary("mine", program, {"seen_from": "head"}, EPISODES, provenance)
 
 
-def test_a_curve_has_an_entry_for_each_episode() -> None:
+def test_curve_has_an_entry_for_each_episode() -> None:
     curve = curve_of(EPISODES)
     assert curve.context == ("left", "right", "left")
     assert curve.reward == (1, 0, 1)

@@ -32,7 +32,7 @@ Offered: Any = None
 
 
 @pytest.mark.parametrize("lacking", [*METHODS, "Constants"])
-def test_a_class_that_lacks_something_is_no_learner(
+def test_class_that_lacks_something_is_no_learner(
     lacking: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert offered(monkeypatch) is Offered

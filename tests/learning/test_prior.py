@@ -22,12 +22,12 @@ def around(centre: tuple[float, float], count: int, spread: float) -> np.ndarray
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("count", [1, 3, 50])
 @pytest.mark.parametrize("prior", [0.0, 1.0, 10.0])
-def test_the_uniform_density_counts_as_some_samples(form: Form, count: int, prior: float) -> None:
+def test_uniform_density_counts_as_some_samples(form: Form, count: int, prior: float) -> None:
     density = learned_density(around((0, 0), count, 0.2).tolist(), form, 0.1, prior)
     assert density.uniform == pytest.approx(prior / (count + prior))
 
 
-def test_a_gaussian_has_the_mean_and_deviation_of_the_samples() -> None:
+def test_gaussian_has_the_mean_and_deviation_of_the_samples() -> None:
     samples = around((0.4, -0.2), 30, 0.3)
     density = learned_density(samples.tolist(), "gaussian", 0.1, 1.0)
     assert isinstance(density, Gaussian)
@@ -41,7 +41,7 @@ def test_density_of_one_sample_has_a_deviation() -> None:
     assert density.deviation == (0.1, 0.1)
 
 
-def test_a_kernel_stands_at_each_sample() -> None:
+def test_kernel_stands_at_each_sample() -> None:
     density = learned_density([[0.1, 0.2], [0.1, 0.2], [1.3, 0.4]], "kernel", 0.05, 1.0)
     assert isinstance(density, Kernel)
     assert density.samples == ((0.1, 0.2), (0.1, 0.2), (1.3, 0.4))

@@ -65,7 +65,7 @@ def test_with_its_prior_every_model_varies_by_a_positive_amount(samples: np.ndar
         assert np.linalg.eigvalsh(model._predictive(model.rewarded).covariance).min() > 0
 
 
-def test_the_prior_is_a_gaussian_of_zero_mean_and_unit_variance() -> None:
+def test_prior_is_a_gaussian_of_zero_mean_and_unit_variance() -> None:
     model = AffordanceModel.fresh(np.array([0.1, 2.0, 1.0]))
     assert model.variance("sum") == model.variance("trace") == pytest.approx(3.0)
     assert model.variance("determinant") == pytest.approx(1.0)
@@ -105,7 +105,7 @@ def test_reward_given_features_follows_bayes_and_pr_of_features_sums_to_one() ->
     assert total == pytest.approx(1.0, abs=1e-3)
 
 
-def test_an_action_that_never_failed_is_predicted_by_its_rate() -> None:
+def test_action_that_never_failed_is_predicted_by_its_rate() -> None:
     model = AffordanceModel.fresh(np.ones(1))
     assert model.reward_given(np.zeros(1)) == 0.5
     for _ in range(8):

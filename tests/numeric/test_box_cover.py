@@ -43,7 +43,7 @@ def ball(radius: float, steps: int = 24) -> Floats:
     return np.array(faces)
 
 
-def test_a_cuboid_is_one_box() -> None:
+def test_cuboid_is_one_box() -> None:
     found = cover(cuboid((0.1, -0.2, 0.0), (0.3, 0.1, 0.08)), 16)
     assert found.share == 1.0
     ((centre, edges),) = found.boxes
@@ -51,7 +51,7 @@ def test_a_cuboid_is_one_box() -> None:
     assert edges == pytest.approx([0.2, 0.3, 0.08])
 
 
-def test_a_cavity_stays_free() -> None:
+def test_cavity_stays_free() -> None:
     """Walls of 2 cm around it are six boxes."""
     outer = cuboid((0, 0, 0), (0.16, 0.16, 0.16))
     inner = cuboid((0.02, 0.02, 0.02), (0.14, 0.14, 0.14), inward=True)

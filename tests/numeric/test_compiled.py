@@ -49,7 +49,7 @@ def test_compiled_functions_are_those_of_the_source() -> None:
     assert call(2.5) == twice(2.5)
 
 
-def test_an_edit_of_a_callee_in_another_file_is_seen(
+def test_edit_of_a_callee_in_another_file_is_seen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Unedited code is not compiled again."""
@@ -73,7 +73,7 @@ def run(folder: Path) -> str:
     return done.stdout.strip()
 
 
-def test_a_function_is_called_by_its_address() -> None:
+def test_function_is_called_by_its_address() -> None:
     """Check the one feature of numba that is used but not guaranteed by its documentation."""
     assert callable(function_type._get_jit_address)
 
@@ -98,7 +98,7 @@ def test_a_function_is_called_by_its_address() -> None:
     assert slope.tolist() == [[0.0, 5.0]]
 
 
-def test_a_literal_argument_adds_no_second_compilation() -> None:
+def test_literal_argument_adds_no_second_compilation() -> None:
     @compiled.compiled
     def grown(count: int) -> int:
         return count + 1

@@ -33,7 +33,7 @@ def test_distance_to_a_table_below_is_the_height(kind: str, height: float) -> No
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_the_gap_is_that_of_the_nearest_points(seed: int) -> None:
+def test_gap_is_that_of_the_nearest_points(seed: int) -> None:
     rng = np.random.default_rng(seed)
     kinds = rng.choice(["ball", "box", "cylinder"], 2)
     one, other = (

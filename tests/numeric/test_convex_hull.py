@@ -16,7 +16,7 @@ def test_inner_points_are_no_corners() -> None:
     assert len(hull_faces(corners)) == 12
 
 
-def test_a_hull_of_many_corners_keeps_few_and_its_extents() -> None:
+def test_hull_of_many_corners_keeps_few_and_its_extents() -> None:
     rng = np.random.default_rng(1)
     points = rng.standard_normal((4000, 3))
     points *= 0.1 / np.linalg.norm(points, axis=1, keepdims=True)

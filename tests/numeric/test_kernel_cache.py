@@ -74,7 +74,7 @@ def test_load_kept_compiles_nothing(kept: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "content", [b"", b"no pickle", b"\x80\x04N."], ids=["empty", "text", "another object"]
 )
-def test_a_damaged_file_is_compiled_again(kept: Path, tmp_path: Path, content: bytes) -> None:
+def test_damaged_file_is_compiled_again(kept: Path, tmp_path: Path, content: bytes) -> None:
     call(tmp_path / "one")
     (file,) = kept.iterdir()
     file.write_bytes(content)
@@ -82,7 +82,7 @@ def test_a_damaged_file_is_compiled_again(kept: Path, tmp_path: Path, content: b
     assert calls == ["8.0 0 None", "8.0 1 None"]
 
 
-def test_a_folder_that_cannot_be_written_is_a_problem_and_no_error(
+def test_folder_that_cannot_be_written_is_a_problem_and_no_error(
     kept: Path, tmp_path: Path
 ) -> None:
     kept.write_text("in the way", encoding="utf-8")
@@ -139,7 +139,7 @@ def test_use_is_noted(kept: Path, tmp_path: Path) -> None:
         ({"HOME": ""}, None),
     ],
 )
-def test_the_folder_is_below_the_users_caches(
+def test_folder_is_below_the_users_caches(
     monkeypatch: pytest.MonkeyPatch, variables: dict[str, str], place: str | None
 ) -> None:
     for name in ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"):

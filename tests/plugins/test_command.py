@@ -27,7 +27,7 @@ def test_cb_help_lists_a_packages_command(
     assert "Count the rewarded episodes" in capsys.readouterr().out
 
 
-def test_an_error_of_a_packages_command_is_one_message(
+def test_error_of_a_packages_command_is_one_message(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "tally", "serchtrack") == 2
@@ -44,7 +44,7 @@ def test_an_error_of_a_packages_command_is_one_message(
         ("raise RuntimeError('no licence')\n", "no licence"),
     ],
 )
-def test_a_faulty_command_is_reported_and_others_run(
+def test_faulty_command_is_reported_and_others_run(
     text: str,
     message: str,
     folder: Path,
@@ -62,7 +62,7 @@ def test_a_faulty_command_is_reported_and_others_run(
     assert cb(monkeypatch, "tally", "searchtrack", "--episodes", "1") == 0
 
 
-def test_a_built_in_command_is_not_replaced(
+def test_built_in_command_is_not_replaced(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     points = {"cbdsl.commands": {"run": "bad_command:faulty"}}
@@ -78,7 +78,7 @@ def test_a_built_in_command_is_not_replaced(
     ("words", "package"),
     [(("reproduce", "all"), "cbdsl-reproduction"), (("why", "reach", "--try"), "cbdsl[why]")],
 )
-def test_a_command_of_a_missing_package_names_the_package(
+def test_command_of_a_missing_package_names_the_package(
     words: tuple[str, ...],
     package: str,
     monkeypatch: pytest.MonkeyPatch,

@@ -65,7 +65,7 @@ def test_program_with_plugin_potential_sensor_and_modifier_runs(
     assert abs(rest[:, 2]).max() < 0.02
 
 
-def test_a_modifier_of_the_slot_changes_how_a_controller_moves(
+def test_modifier_of_the_slot_changes_how_a_controller_moves(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Move a hand with a quarter of gain and speed at most a quarter as fast."""
@@ -85,7 +85,7 @@ def test_a_modifier_of_the_slot_changes_how_a_controller_moves(
     assert fastest[1] == pytest.approx(0.25 * fastest[0], rel=0.1)
 
 
-def test_a_modifier_of_the_slot_that_fails_is_named(
+def test_modifier_of_the_slot_that_fails_is_named(
     here: Path,
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -150,11 +150,11 @@ def test_plugin_potential_sensor_and_modifier_are_listed(
     assert name in [next(iter(row.values())) for row in json.loads(capsys.readouterr().out)]
 
 
-def test_the_reference_has_the_potential() -> None:
+def test_reference_has_the_potential() -> None:
     assert "`keep_out`" in page()
 
 
-def test_a_sensor_is_read(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sensor_is_read(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (here / "robots").mkdir()
     for file in (ROOT / "robots").glob("dexter.*"):
         shutil.copy(file, here / "robots")
@@ -227,7 +227,7 @@ def test_faulty_plugin_potential_does_not_affect_others(
         ("if value[0] > -9.0:\n        raise ValueError('broken')\n    return 0.0", "broken"),
     ],
 )
-def test_a_potential_that_breaks_its_contract_is_named_before_anything_moves(
+def test_potential_that_breaks_its_contract_is_named_before_anything_moves(
     body: str,
     told: str,
     here: Path,
@@ -251,7 +251,7 @@ def test_a_potential_that_breaks_its_contract_is_named_before_anything_moves(
     assert told in error and "faulty" in error and "bad 1.0" in error and "Traceback" not in error
 
 
-def test_a_potential_that_raises_while_it_runs_is_named(
+def test_potential_that_raises_while_it_runs_is_named(
     here: Path,
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -283,7 +283,7 @@ def test_a_potential_that_raises_while_it_runs_is_named(
         ("return read", "raise OSError('unplugged')", "unplugged"),
     ],
 )
-def test_a_sensor_that_breaks_its_contract_is_named(
+def test_sensor_that_breaks_its_contract_is_named(
     given: str, wanted: str, told: str, folder: Path, dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
     text = (Path(__file__).parent / "package/demo/wrist.py").read_text("utf-8")

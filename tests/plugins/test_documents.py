@@ -156,7 +156,7 @@ def test_broken_plugin_document_is_named_and_others_work(
     assert reason in capsys.readouterr().err
 
 
-def test_a_checker_that_fails_is_named_with_its_package(
+def test_checker_that_fails_is_named_with_its_package(
     here: Path,
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,

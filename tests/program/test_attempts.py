@@ -38,17 +38,17 @@ def test_step_to_a_worse_state_ends_the_attempt() -> None:
     ]
 
 
-def test_the_same_allocation_after_a_failure_is_another_attempt() -> None:
+def test_same_allocation_after_a_failure_is_another_attempt() -> None:
     episode = [step("0-", "1-", "left", place=1.0), step("1-", "11", "left", 1, place=2.0)]
     assert [each.rewarded for each in attempts(episode, WORTH)] == [False, True]
 
 
-def test_an_action_without_allocation_ends_an_attempt() -> None:
+def test_action_without_allocation_ends_an_attempt() -> None:
     episode = [step("XX", "0-", "left"), step("0-", "00", ""), step("00", "11", "", 1)]
     assert list(attempts(episode, WORTH)) == [Attempt("left", {"x": 0.0}, False)]
 
 
-def test_an_episode_that_ends_amid_an_attempt_was_not_rewarded() -> None:
+def test_episode_that_ends_amid_an_attempt_was_not_rewarded() -> None:
     assert list(attempts([step("XX", "0-", "left")], WORTH)) == [Attempt("left", {"x": 0.0}, False)]
 
 

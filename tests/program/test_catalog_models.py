@@ -84,7 +84,7 @@ def checked(folder: Path) -> CheckedProgram:
     return program
 
 
-def test_an_affordance_is_a_feature_with_its_probability(folder: Path) -> None:
+def test_affordance_is_a_feature_with_its_probability(folder: Path) -> None:
     schema = checked(folder).schema
     assert schema is not None
     (resource,) = schema.features.values()

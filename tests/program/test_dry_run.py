@@ -64,7 +64,7 @@ def test_stacks_resources_and_rewards(name: str) -> None:
             assert all(feedbacks[each.name] is Origin.ENVIRONMENT for each in earners)
 
 
-def test_a_free_axis_frees_a_row() -> None:
+def test_free_axis_frees_a_row() -> None:
     named = {controller.name: controller for controller in controllers(program_of("reachtouch"))}
     assert {name: rows(named[name]) for name in ("approach", "orient", "posture", "touch")} == {
         "approach": 3,

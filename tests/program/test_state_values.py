@@ -28,7 +28,7 @@ def test_only_actions_of_the_policy_count() -> None:
     assert state_values({"0-": "wait", "**": "look"}, COUNTS)["0-"] == 0.0
 
 
-def test_the_shipped_policy_knows_the_route_to_its_reward() -> None:
+def test_shipped_policy_knows_the_route_to_its_reward() -> None:
     library = Library(ROOT)
     path = library.locate(PolicyDocument, "reachtouch")
     policy = library.read(path, PolicyDocument).document

@@ -97,7 +97,7 @@ def test_meshes_are_found_beside_the_model_and_omitted_if_missing(
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=[robot.name for robot in ROBOTS])
-def test_a_model_that_shows_nothing_is_a_skeleton_from_joint_to_joint(robot: RobotDocument) -> None:
+def test_model_that_shows_nothing_is_a_skeleton_from_joint_to_joint(robot: RobotDocument) -> None:
     urdf = ROOT / "robots" / robot.model
     described = told(robot, urdf)
     bare = re.sub(r"<visual>.*?</visual>", "", described["urdf"], flags=re.DOTALL)

@@ -57,7 +57,7 @@ def test_page_of_a_recording_loads_nothing(text: str) -> None:
     assert not re.search(r"connect-src|https?:", parser.policy)
 
 
-def test_the_same_recording_gives_the_same_page(recorded: Recorded, text: str) -> None:
+def test_same_recording_gives_the_same_page(recorded: Recorded, text: str) -> None:
     assert page(recorded) == text
     result = {**recorded.summary["result"], "wall_seconds": 99.0, "renderer": "another"}
     other = replace(recorded, summary={**recorded.summary, "result": result})
@@ -79,7 +79,7 @@ def test_page_of_a_recording_is_below_5_mb(text: str) -> None:
     assert len(text.encode()) < 5e6
 
 
-def test_a_title_cannot_be_markup(recorded: Recorded) -> None:
+def test_title_cannot_be_markup(recorded: Recorded) -> None:
     result = {**recorded.summary["result"], "program": "</title><b>{{data}}"}
     text = page(replace(recorded, summary={**recorded.summary, "result": result}))
     assert "<title>&lt;/title&gt;&lt;b&gt;{{data}}, seed 0</title>" in text

@@ -86,7 +86,7 @@ def test_page_states_the_ending_of_the_episode(shown: Page, recorded: Recorded) 
     assert shown.text("verdict") == "rewarded"
 
 
-def test_the_robot_and_the_ball_are_to_be_seen_and_move(shown: Page) -> None:
+def test_robot_and_the_ball_are_to_be_seen_and_move(shown: Page) -> None:
     before = pixels(shown, "#view")
     colors = np.unique((before // 8).reshape(-1, 3), axis=0)
     assert len(colors) > 50
@@ -188,7 +188,7 @@ def test_keys_step_and_go_to_transitions(shown: Page, recorded: Recorded) -> Non
                                              else times[-2])  # fmt: skip
 
 
-def test_a_click_on_a_time_line_goes_there(shown: Page, recorded: Recorded) -> None:
+def test_click_on_a_time_line_goes_there(shown: Page, recorded: Recorded) -> None:
     last = float(recorded.arrays["time"][-1])
     for line in (".row .track", ".u-over"):
         shown.click(line, across=0.25)
@@ -216,7 +216,7 @@ def test_zoom_applies_to_all_charts_and_can_be_reset(shown: Page) -> None:
         assert (pixels(shown, chart) == image).all()
 
 
-def test_a_time_at_the_right_edge_of_a_chart_has_room(shown: Page) -> None:
+def test_time_at_the_right_edge_of_a_chart_has_room(shown: Page) -> None:
     rim = shown.value(
         "document.querySelector('.uplot').getBoundingClientRect().right"
         " - document.querySelector('.u-over').getBoundingClientRect().right"
@@ -237,7 +237,7 @@ def test_rows_name_every_letter_of_the_state(shown: Page, recorded: Recorded) ->
     assert last == recorded.summary["result"]["predicates"][-1]
 
 
-def test_the_table_is_the_stack(shown: Page, recorded: Recorded) -> None:
+def test_table_is_the_stack(shown: Page, recorded: Recorded) -> None:
     shown.press("End")
     names = shown.value("[...document.querySelectorAll('#levels tbody tr')]"
                         ".map((row) => row.cells[0].textContent)")  # fmt: skip

@@ -200,7 +200,7 @@ SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
 
 
 @pytest.mark.parametrize("how", SPOILED)
-def test_a_spoiled_recording_is_refused(how: str, kept: Path, tmp_path: Path) -> None:
+def test_spoiled_recording_is_refused(how: str, kept: Path, tmp_path: Path) -> None:
     for suffix in (".json", ".npz"):
         shutil.copy(kept.with_suffix(suffix), tmp_path)
     file = tmp_path / kept.name

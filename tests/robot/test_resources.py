@@ -79,7 +79,7 @@ def test_group_has_the_resources_of_all_its_members(robot: RobotDocument) -> Non
     )
 
 
-def test_a_group_with_an_unknown_member_has_no_resources(robot: RobotDocument) -> None:
+def test_group_with_an_unknown_member_has_no_resources(robot: RobotDocument) -> None:
     group = Group(members=("left_arm", "third_arm"))
     lame = robot.model_copy(update={"groups": {"arms": group}})
     assert not [name for name in resources(lame) if name.startswith("arms")]

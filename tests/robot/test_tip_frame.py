@@ -89,7 +89,7 @@ def test_without_such_a_frame_the_tip_is_the_far_end_of_the_link(
     assert tip_offset(model, chain.joints[-1], chain.tip) == pytest.approx(offset, abs=1e-6)
 
 
-def test_a_link_of_a_mesh_ends_where_that_does() -> None:
+def test_link_of_a_mesh_ends_where_that_does() -> None:
     model = read("kuka_iiwa/model.urdf")
     (chain,) = chains(model)
     assert tip_offset(model, chain.joints[-1], chain.tip) == pytest.approx((0, 0, 0.045), abs=2e-3)

@@ -45,7 +45,7 @@ def test_joints_and_limits(tmp_path: Path) -> None:
     assert list(model.above("a")) == []
 
 
-def test_a_prismatic_joint_is_described(tmp_path: Path) -> None:
+def test_prismatic_joint_is_described(tmp_path: Path) -> None:
     inside = '<origin xyz="3 0 4" rpy="0 0 1"/><axis xyz="0 1 0"/><mimic joint="b" offset="2"/>'
     limit = '<limit lower="-1" upper="2" effort="30" velocity="0"/>'
     joint = JOINT.format("one", "prismatic", "a", "b", inside + limit)
@@ -75,7 +75,7 @@ def test_links_have_shapes_and_inertia(tmp_path: Path) -> None:
     assert (body.inertial.mass, body.inertial.inertia) == (2, (1, 2, 3, 0, 0, 0))
 
 
-def test_a_shape_without_numbers_says_which(tmp_path: Path) -> None:
+def test_shape_without_numbers_says_which(tmp_path: Path) -> None:
     shape = '<visual><geometry><box size="1 2"/></geometry></visual>'
     path = write(tmp_path, f'<link name="a">{shape}</link>')
     with pytest.raises(UrdfError, match=r"link 'a' has size=\"1 2\", which should be three"):
@@ -83,7 +83,7 @@ def test_a_shape_without_numbers_says_which(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("rgba", ["1.~ 0 0 1", "red", "1 0", ""])
-def test_a_color_without_numbers_says_which(rgba: str, tmp_path: Path) -> None:
+def test_color_without_numbers_says_which(rgba: str, tmp_path: Path) -> None:
     path = write(tmp_path, f'<material name="m"><color rgba="{rgba}"/></material><link name="a"/>')
     with pytest.raises(UrdfError, match=rf"material 'm' has rgba=\"{rgba}\", which should be"):
         assert read_urdf(path).bodies

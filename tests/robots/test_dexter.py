@@ -38,7 +38,7 @@ def test_model_equals_the_output_of_its_script() -> None:
     assert URDF.read_text(encoding="utf-8") == script["dexter"]()
 
 
-def test_the_robot_file_names_all_and_only_the_movable_joints(
+def test_robot_file_names_all_and_only_the_movable_joints(
     model: ET.Element, dexter: RobotDocument
 ) -> None:
     movable = {
@@ -86,13 +86,13 @@ def test_postures_are_within_the_limits(model: ET.Element, dexter: RobotDocument
                 assert limits[joint][0] <= angle <= limits[joint][1], joint
 
 
-def test_the_body_is_grey(model: ET.Element) -> None:
+def test_body_is_grey(model: ET.Element) -> None:
     colors = [color.attrib["rgba"].split()[:3] for color in model.iter("color")]
     assert colors
     assert all(len(set(color)) == 1 for color in colors)
 
 
-def test_the_lines_of_sight_meet_in_front_of_the_head(dexter: RobotDocument) -> None:
+def test_lines_of_sight_meet_in_front_of_the_head(dexter: RobotDocument) -> None:
     kinematics = Kinematics(dexter, URDF)
     kinematics.update(np.zeros(24))
     left, right = kinematics.frame("left_camera"), kinematics.frame("right_camera")
@@ -104,7 +104,7 @@ def test_the_lines_of_sight_meet_in_front_of_the_head(dexter: RobotDocument) -> 
         assert crossing[1:] == pytest.approx([0, left.position[2]])
 
 
-def test_the_arms_start_as_mirror_images(dexter: RobotDocument) -> None:
+def test_arms_start_as_mirror_images(dexter: RobotDocument) -> None:
     kinematics = Kinematics(dexter, URDF)
     joints = Joints(dexter)
     positions = np.zeros(len(joints))

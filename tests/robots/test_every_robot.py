@@ -77,9 +77,7 @@ def test_robots_without_cameras_hands_and_head_are_tested() -> None:
 
 
 @pytest.mark.parametrize(("robot", "arm", "posture"), ARMS)
-def test_an_arm_takes_a_posture(
-    robot: RobotDocument, arm: str, posture: str, tmp_path: Path
-) -> None:
+def test_arm_takes_a_posture(robot: RobotDocument, arm: str, posture: str, tmp_path: Path) -> None:
     move = f"{{potential: spring, reference: {arm}.{posture}, feedback: {arm}, effector: {arm}}}"
     result, positions = played(
         robot,
@@ -116,9 +114,7 @@ def test_arm_reaches_a_reachable_position(
 
 
 @pytest.mark.parametrize(("robot", "arm", "posture"), ARMS)
-def test_the_tips_jacobian_by_finite_differences(
-    robot: RobotDocument, arm: str, posture: str
-) -> None:
+def test_tips_jacobian_by_finite_differences(robot: RobotDocument, arm: str, posture: str) -> None:
     kinematics = Kinematics(robot, urdf(robot))
     settings = robot.effectors[arm].tip
     assert settings is not None

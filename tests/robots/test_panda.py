@@ -45,7 +45,7 @@ def test_both_forward_kinematics_slide_the_fingers(panda: RobotDocument) -> None
         assert np.linalg.norm(left - right) == pytest.approx(2 * posture[-1])
 
 
-def test_a_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument) -> None:
+def test_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument) -> None:
     file = tmp_path / "endless.urdf"
     text = URDF.read_text().replace(
         '<joint name="panda_joint1" type="revolute">',
@@ -62,7 +62,7 @@ def test_a_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument)
     assert kinematics.frame("panda_hand").rotation == pytest.approx(before, abs=1e-12)
 
 
-def test_the_policy_of_reachtouch_closes_pads_on_a_box(panda: RobotDocument) -> None:
+def test_policy_of_reachtouch_closes_pads_on_a_box(panda: RobotDocument) -> None:
     request = cbdsl.load("reachtouch", values={"robot": "panda"})
     with cbdsl.simulate(request, backend="kinematic", cameras="ideal") as world:
         # Pads inside of the ball around a box are not yet closed on air.

@@ -61,7 +61,7 @@ def test_joints_without_a_controller_do_not_move(touched: Played, kinematics: Ki
         assert (found == found[0]).all()
 
 
-def test_the_reference_of_a_blocked_joint_does_not_run_away(
+def test_reference_of_a_blocked_joint_does_not_run_away(
     checked: Checked, play: Play, dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
     def begin(rng: np.random.Generator) -> object:
@@ -150,7 +150,7 @@ def test_target_beyond_a_limit_stops_at_the_limit_and_is_reported(
     assert "at their limits were pan" in played.result.ending
 
 
-def test_a_joint_past_its_margin_comes_back_at_the_joint_speed(
+def test_joint_past_its_margin_comes_back_at_the_joint_speed(
     checked: Checked, play: Play, dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
     pan = kinematics.joints.index["pan"]

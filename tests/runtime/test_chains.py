@@ -219,7 +219,7 @@ def compared(program: CheckedProgram) -> list[Controller]:
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_the_row_of_a_controller_is_the_chain_that_is_printed(
+def test_row_of_a_controller_is_the_chain_that_is_printed(
     checked: Checked, oracle: Oracle, name: str
 ) -> None:
     for controller in compared(checked(name)):

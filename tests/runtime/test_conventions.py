@@ -77,7 +77,7 @@ def turn(axis: int, angle: float) -> np.ndarray:
     return matrix
 
 
-def test_an_orientation_is_a_rotation_vector_and_no_roll_pitch_and_yaw(go: Go) -> None:
+def test_orientation_is_a_rotation_vector_and_no_roll_pitch_and_yaw(go: Go) -> None:
     result, _, reached = go(
         "[120 deg, 120 deg, 0 deg]", "right_arm.orientation", "right_arm.orientation"
     )
@@ -90,7 +90,7 @@ def test_an_orientation_is_a_rotation_vector_and_no_roll_pitch_and_yaw(go: Go) -
     assert np.abs(reached - fixed_axes).max() > 0.5
 
 
-def test_a_pose_is_a_position_and_then_a_rotation_vector(go: Go) -> None:
+def test_pose_is_a_position_and_then_a_rotation_vector(go: Go) -> None:
     reference = "[50 cm, -25 cm, -5 cm, 120 deg, 120 deg, 0 deg]"
     settings = "gain: 8 /s, quiescence: {rate: 1.0e-4, window: 0.3 s}"
     result, _, reached = go(reference, "right_arm.pose", f"right_arm.pose, {settings}")
@@ -101,7 +101,7 @@ def test_a_pose_is_a_position_and_then_a_rotation_vector(go: Go) -> None:
     assert reached[:3, 3] == pytest.approx([0.5, -0.25, -0.05], abs=0.01)
 
 
-def test_an_effector_and_its_position_move_alike(go: Go) -> None:
+def test_effector_and_its_position_move_alike(go: Go) -> None:
     place = "[50 cm, -25 cm, -5 cm]"
     (one, joints, _), (other, same, _) = (
         go(place, "right_arm.position", effector)

@@ -63,7 +63,7 @@ def absent(stage: Callable[[str], StageDocument]) -> StageDocument:
     return stage("absent")
 
 
-def test_a_late_tick_halts_the_backend_and_ends_the_episode(
+def test_late_tick_halts_the_backend_and_ends_the_episode(
     runner: Make, absent: StageDocument, dexter: RobotDocument, urdf: Path
 ) -> None:
     backend = TimedBackend(dexter, urdf, slow=6, taken=0.025)
@@ -121,7 +121,7 @@ def test_ctrl_c_halts_the_backend(
     assert result.ticks == len(backend.applied)
 
 
-def test_a_broken_sensor_halts_the_backend(
+def test_broken_sensor_halts_the_backend(
     dexter: RobotDocument,
     urdf: Path,
     kinematics: Kinematics,
@@ -139,7 +139,7 @@ def test_a_broken_sensor_halts_the_backend(
     assert "finger_1" in ended[0].ending
 
 
-def test_a_command_ends_as_for_an_episode_that_cannot_go_on(
+def test_command_ends_as_for_an_episode_that_cannot_go_on(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(KinematicBackend, "deadline", 0.0)

@@ -124,7 +124,7 @@ def test_idle_ticks_count_from_the_last_that_strove(drive: Drive) -> None:
     assert again.ticks_to_the_end() == 73, "what strives is not idle"
 
 
-def test_an_episode_is_over_with_its_time(drive: Drive) -> None:
+def test_episode_is_over_with_its_time(drive: Drive) -> None:
     limits = "limits: {transition_time: 9 s, episode_time: 1 s}\n"
     driven = drive(TWO + "policy: {XX: left, 0X: left}\n" + limits)
     driven.named("left").predicate = "0"
@@ -158,7 +158,7 @@ def test_controllers_of_the_next_action_continue_and_others_stop(drive: Drive) -
     assert (driven.named("left").predicate, driven.named("right").predicate) == ("X", "0")
 
 
-def test_a_stack_by_hand_stops_all_others_but_the_background(drive: Drive) -> None:
+def test_stack_by_hand_stops_all_others_but_the_background(drive: Drive) -> None:
     arm = "potential: spring, feedback: right_arm, effector: right_arm, reference: right_arm.ready"
     driven = drive(
         TWO.replace("actions:", f"  rest: {{{arm}}}\nbackground: rest\nactions:")
@@ -188,7 +188,7 @@ def every(run: ProgramRun) -> Iterator[ProgramRun]:
         yield from every(child)
 
 
-def test_a_stopped_program_stops_all_programs_that_it_uses(drive: Drive, checked: Checked) -> None:
+def test_stopped_program_stops_all_programs_that_it_uses(drive: Drive, checked: Checked) -> None:
     driven = drive(checked("visualinspect"))
     for run in every(driven.run):
         run.activate()
@@ -231,7 +231,7 @@ def test_guards_of_the_law_grow_with_the_ticks(
 
 
 @pytest.mark.parametrize("is_foreign", [False, True])
-def test_a_fault_of_another_package_s_potential_is_reported_as_its(
+def test_fault_of_another_package_s_potential_is_reported_as_its(
     drive: Drive, dexter: RobotDocument, monkeypatch: pytest.MonkeyPatch, is_foreign: bool
 ) -> None:
     driven = drive(TWO + 'policy: {"**": left}\n')

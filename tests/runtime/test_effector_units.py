@@ -31,7 +31,7 @@ PRESS = (
         ("gain: 5 mm/s/N, speed: 6 mm/s", 0.006),
     ],
 )
-def test_a_tip_moves_as_fast_as_its_units_say(
+def test_tip_moves_as_fast_as_its_units_say(
     dexter: RobotDocument, kinematics: Kinematics, tmp_path: Path, units: str, pace: float
 ) -> None:
     it = controller(tmp_path, f"{PRESS}, {units}")

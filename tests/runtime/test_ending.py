@@ -102,7 +102,7 @@ def test_ending_names_a_missing_hold_and_the_colours_that_are_seen() -> None:
     assert "the cameras see no named colour" in describe(run, 3.0, (), colors=[])
 
 
-def test_a_sentence_has_verdict_time_state_and_reasons() -> None:
+def test_sentence_has_verdict_time_state_and_reasons() -> None:
     ball = lead(0.01)
     assert told(ball) == (
         "Not rewarded after 3.2 s in state X1: reach came to rest 1.0 cm from ball.position; "
@@ -129,7 +129,7 @@ def test_limits_are_reported_after_failures_and_guards_always() -> None:
 
 
 @pytest.mark.parametrize("felt", [False, True])
-def test_a_missing_requirement_is_reported_with_its_controller(felt: bool) -> None:
+def test_missing_requirement_is_reported_with_its_controller(felt: bool) -> None:
     touch = lead(math.nan, name="touch", feedback=BALL, task=Made(name="force"), exhausted=felt)
     two = [lead(math.nan, name=name, requires="touch") for name in ("left", "right")]
     run = ended(*two)
@@ -142,7 +142,7 @@ def test_a_missing_requirement_is_reported_with_its_controller(felt: bool) -> No
     assert "left had no ball.position" in describe(run, 1.0, ())
 
 
-def test_a_lost_and_sought_resource_is_reported_with_its_requirer() -> None:
+def test_lost_and_sought_resource_is_reported_with_its_requirer() -> None:
     touch = lead(math.nan, name="touch", feedback=BALL, task=Made(name="force"), engaged=True)
     left = lead(math.nan, name="left", requires="touch")
     run = ended(left)

@@ -46,7 +46,7 @@ def without_clock(played: Played) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("name", ["searchtrack", "tactileprobe"])
-def test_the_same_seed_gives_the_same_episode_to_the_bit(
+def test_same_seed_gives_the_same_episode_to_the_bit(
     checked: Checked, play: Play, name: str
 ) -> None:
     first, again = (play(checked(name), somewhere, joints={"pan": 0.9}, seed=5) for _ in range(2))
@@ -162,7 +162,7 @@ def test_program_without_a_possible_reward_ends_as_done(checked: Checked, play: 
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_broken_sensor_stops_the_robot(checked: Checked, play: Play, value: float) -> None:
+def test_broken_sensor_stops_the_robot(checked: Checked, play: Play, value: float) -> None:
     seen: list[float] = []
 
     def direct(world: World, time: float) -> None:

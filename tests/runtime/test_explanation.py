@@ -94,7 +94,7 @@ limits: {{transition_time: 2 s}}
     assert np.isfinite(ticks[5]["stay"].share) and np.isfinite(ticks[0]["reach"].share)
 
 
-def test_the_level_above_that_takes_all_freedom_is_named(
+def test_level_above_that_takes_all_freedom_is_named(
     explained: Callable[..., list[TickExplanation]],
 ) -> None:
     for tick in explained(RIVALS):

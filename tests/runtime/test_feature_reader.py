@@ -28,7 +28,7 @@ def tick(number: int, defined: dict[Any, float], run: Any = None, table: Any = N
     return Made(observation=Made(time=0.1 * number), signals=signals, run=run)
 
 
-def test_the_moment_with_most_features_counts_and_after_all_are_there_none() -> None:
+def test_moment_with_most_features_counts_and_after_all_are_there_none() -> None:
     reader = FeatureReader({"place": PLACE, "size": SIZE})
     place, both = {id(PLACE): 1.0}, {id(PLACE): 5.0, id(SIZE): 6.0}
     for number in range(1, 4):
@@ -55,7 +55,7 @@ def test_how_long_a_resource_was_defined_is_noted() -> None:
     assert FeatureReader({}).seconds == {}
 
 
-def test_a_drawn_feature_is_the_draw_of_the_controller_that_goes_there() -> None:
+def test_drawn_feature_is_the_draw_of_the_controller_that_goes_there() -> None:
     def going(row: int, reference: Any) -> Any:
         return Made(controller=Made(reference=reference), rows=Made(declared=row))
 

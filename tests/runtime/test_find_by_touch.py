@@ -8,7 +8,7 @@ import cbdsl
 
 
 @pytest.mark.slow
-def test_an_unseen_object_is_touched() -> None:
+def test_unseen_object_is_touched() -> None:
     succeeded, touched = [], []
     with cbdsl.simulate("find_by_touch", backend="mujoco", cameras="ideal") as lab:
         robot, truth = lab.robot, lab.truth

@@ -43,7 +43,7 @@ def test_find_the_other_touches_two_objects_in_turn(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [5300003, 5300016])
-def test_the_hand_that_withdraws_spoils_nothing(
+def test_hand_that_withdraws_spoils_nothing(
     dexter: RobotDocument,
     urdf: Path,
     kinematics: Kinematics,

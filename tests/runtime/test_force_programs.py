@@ -17,7 +17,7 @@ from cbdsl.runtime.tick import Tick
 
 
 @pytest.mark.slow
-def test_the_force_stays_while_the_hand_slides() -> None:
+def test_force_stays_while_the_hand_slides() -> None:
     sliding, forces, places = [False], [], []
     sliding_program = cbdsl.load("press_and_slide", values={"by_y": "-8 cm", "force": "4 N"})
     with cbdsl.simulate(sliding_program, backend="bullet") as fixture:
@@ -86,7 +86,7 @@ def test_take_with_both_lifts_an_object_too_large_for_one_hand(thing: str) -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize("giver", ["right", "left"])
-def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
+def test_thing_is_handed_over_in_either_direction(giver: str) -> None:
     """From hand to hand: at last the other one alone touches it, high above the table."""
     taker, side = ("left", -1) if giver == "right" else ("right", 1)
     values = {
@@ -108,7 +108,7 @@ def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
 
 
 @pytest.mark.parametrize("arm", ["right", "left"])
-def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
+def test_empty_hand_has_nothing_to_put_down(arm: str) -> None:
     values = {"arm": f"{arm}_arm", "hand": f"{arm}_hand"}
     request = load("put_down", stage="absent", values=values)
     with simulation(request, "kinematic") as (backend, kinematics):

@@ -78,7 +78,7 @@ def test_strain_is_the_drive_torque_minus_the_weight(kinematics: Kinematics) -> 
     assert not strain.torques.any()
 
 
-def test_the_weight_is_the_slope_of_the_potential_energy(kinematics: Kinematics) -> None:
+def test_weight_is_the_slope_of_the_potential_energy(kinematics: Kinematics) -> None:
     """Compare with the energy of the model's masses, posture by posture."""
     rng = np.random.default_rng(4)
     q = rng.uniform(np.maximum(kinematics.lower, -2), np.minimum(kinematics.upper, 2))
@@ -136,7 +136,7 @@ def _push(
 
 
 @pytest.mark.slow
-def test_an_arm_gives_way_where_no_cell_feels_anything(
+def test_arm_gives_way_where_no_cell_feels_anything(
     tmp_path: Path, dexter: RobotDocument, urdf: Path
 ) -> None:
     told: list[str] = []

@@ -83,7 +83,7 @@ def test_guarded_motion_keeps_a_bound_that_it_exceeds_unguarded(
     assert guarded.actuation.load_guards.holding
 
 
-def test_the_net_force_of_a_hand_is_bounded(
+def test_net_force_of_a_hand_is_bounded(
     dexter: RobotDocument, kinematics: Kinematics, tmp_path: Path
 ) -> None:
     guarded = Floor(dexter, kinematics, tmp_path, "-12 cm", Guards(hand_force=9.0))
@@ -94,7 +94,7 @@ def test_the_net_force_of_a_hand_is_bounded(
     assert clause.startswith("the guard of right_hand (9 N) held for")
 
 
-def test_a_guard_does_not_prevent_leaving_contact(
+def test_guard_does_not_prevent_leaving_contact(
     dexter: RobotDocument, kinematics: Kinematics, tmp_path: Path
 ) -> None:
     guarded = Floor(dexter, kinematics, tmp_path, "4 cm", Guards(finger_force=5.0))
@@ -103,7 +103,7 @@ def test_a_guard_does_not_prevent_leaving_contact(
     assert forces[0] == pytest.approx(4.0, rel=0.01) and forces[-1] == 0.0
 
 
-def test_the_narrowest_bounds_hold() -> None:
+def test_narrowest_bounds_hold() -> None:
     assert Guards(15.0, None).within(Guards(8.0, 30.0)) == Guards(8.0, 30.0)
 
 

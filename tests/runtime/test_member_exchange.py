@@ -82,7 +82,7 @@ def episode(
     return transitions
 
 
-def test_a_program_is_rewarded_for_the_member(episode: list[Transition]) -> None:
+def test_program_is_rewarded_for_the_member(episode: list[Transition]) -> None:
     own = [each for each in episode if each.program == "reachtouch"]
     probing = [each for each in episode if each.program == "tactileprobe"]
     assert own[-1].next_state == "X11" and own[-1].rewarding == ("touch",)

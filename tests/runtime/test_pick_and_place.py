@@ -32,7 +32,7 @@ def backend(dexter: RobotDocument, urdf: Path) -> Iterator[object]:
 
 
 @pytest.mark.parametrize("thing", ["ball", "cube", "cylinder", "box"])
-def test_a_thing_is_lifted_carried_and_placed(
+def test_thing_is_lifted_carried_and_placed(
     thing: str, backend: object, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
 ) -> None:
     truth = backend.truth  # type: ignore[attr-defined]

@@ -50,7 +50,7 @@ def watch(play: Play, checked: Checked, hand: Hand) -> None:
         play(checked("reachtouch"), watch=hand)
 
 
-def test_a_composed_stack_acts_in_its_order_and_the_program_waits(
+def test_composed_stack_acts_in_its_order_and_the_program_waits(
     play: Play, checked: Checked
 ) -> None:
     stack = ("orient", "approach")
@@ -75,7 +75,7 @@ def test_given_back_the_program_chooses_again_and_comes_to_its_end(
     assert hand.composer.stack is None
 
 
-def test_a_held_reference_is_gone_to_and_given_back(play: Play, checked: Checked) -> None:
+def test_held_reference_is_gone_to_and_given_back(play: Play, checked: Checked) -> None:
     hand = Hand(
         {
             100: lambda c: c.compose(["approach"]),

@@ -101,9 +101,7 @@ def test_rewards_are_the_environments_convergence_events(
 
 
 @pytest.mark.parametrize("name", EPISODES)
-def test_a_reward_ends_the_program_that_earns_it(
-    played: Callable[[str], Played], name: str
-) -> None:
+def test_reward_ends_the_program_that_earns_it(played: Callable[[str], Played], name: str) -> None:
     episode = played(name)
     top = episode.at(0)
     assert [each.reward for each in top[:-1]] == [0] * (len(top) - 1)
@@ -111,7 +109,7 @@ def test_a_reward_ends_the_program_that_earns_it(
     assert episode.result.rewarded == (name != "posture")
 
 
-def test_a_used_program_reads_0_then_1_and_earns_its_user_nothing(
+def test_used_program_reads_0_then_1_and_earns_its_user_nothing(
     played: Callable[[str], Played],
 ) -> None:
     episode = played("reachtouch")
@@ -124,7 +122,7 @@ def test_a_used_program_reads_0_then_1_and_earns_its_user_nothing(
 
 
 @pytest.mark.parametrize("transitions", [1, 2, 3])
-def test_a_used_program_that_gives_up_reads_undefined(
+def test_used_program_that_gives_up_reads_undefined(
     written: Written, play: Play, transitions: int
 ) -> None:
     written(
@@ -144,7 +142,7 @@ def test_a_used_program_that_gives_up_reads_undefined(
     assert not episode.result.rewarded
 
 
-def test_a_used_program_that_ends_at_once_does_not_hang_its_user(
+def test_used_program_that_ends_at_once_does_not_hang_its_user(
     written: Written, play: Play
 ) -> None:
     written(f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'1': track}}\n", "idle")
@@ -161,7 +159,7 @@ def test_a_used_program_that_ends_at_once_does_not_hang_its_user(
     assert "idle has no action for state X" in episode.result.ending
 
 
-def test_the_transitions_of_an_episode_are_limited(written: Written, play: Play) -> None:
+def test_transitions_of_an_episode_are_limited(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{search: {SEARCH}}}\nactions: [search]\npolicy: {{'*': search}}\n"
         "limits: {transitions: 3}\n"
@@ -171,7 +169,7 @@ def test_the_transitions_of_an_episode_are_limited(written: Written, play: Play)
     assert "used up its 3 transitions" in episode.result.ending
 
 
-def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play: Play) -> None:
+def test_action_that_changes_nothing_runs_out_of_time(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'*': track}}\n"
         "limits: {transition_time: 0.5 s}\n"
@@ -184,7 +182,7 @@ def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play:
     assert "changed nothing" in episode.result.ending
 
 
-def test_a_longer_time_holds_for_an_idle_action_as_well(written: Written, play: Play) -> None:
+def test_longer_time_holds_for_an_idle_action_as_well(written: Written, play: Play) -> None:
     """Extend the time of an idle action that has no limit of its own."""
     program = written(
         f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'*': track}}\n"
@@ -198,7 +196,7 @@ def test_a_longer_time_holds_for_an_idle_action_as_well(written: Written, play: 
     ("action", "least", "most"),
     [("track", 0.3, 0.4), ("turn", 0.3, 0.4), ("search ◁ track", 0.4, 2.1), ("close", 2.0, 2.1)],
 )
-def test_an_action_that_moves_nothing_has_a_limit_of_its_own(
+def test_action_that_moves_nothing_has_a_limit_of_its_own(
     written: Written, play: Play, action: str, least: float, most: float
 ) -> None:
     """Limit undefined or resting actions, but none that move or search."""
@@ -212,7 +210,7 @@ def test_an_action_that_moves_nothing_has_a_limit_of_its_own(
     assert least < last.ticks * found.backend.control_period <= most
 
 
-def test_a_policy_of_its_own_may_go_on_where_nothing_changed(written: Written, play: Play) -> None:
+def test_policy_of_its_own_may_go_on_where_nothing_changed(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{track: {LOOK}, search: {SEARCH}}}\nactions: [track, search]\n"
         "policy: {'**': track}\nlimits: {transition_time: 0.2 s}\n"
@@ -229,9 +227,7 @@ def test_a_policy_of_its_own_may_go_on_where_nothing_changed(written: Written, p
     assert len(episode.at(0)) == 4
 
 
-def test_a_search_goes_somewhere_else_each_time_it_came_to_rest(
-    written: Written, play: Play
-) -> None:
+def test_search_goes_somewhere_else_each_time_it_came_to_rest(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{search: {SEARCH}}}\nactions: [search]\npolicy: {{'*': search}}\n"
         "limits: {transitions: 8}\n"
@@ -250,7 +246,7 @@ def test_a_search_goes_somewhere_else_each_time_it_came_to_rest(
     assert min(distances) > 0.2
 
 
-def test_the_background_acts_below_every_action(checked: Checked, play: Play) -> None:
+def test_background_acts_below_every_action(checked: Checked, play: Play) -> None:
     """Move the arm home while the head searches."""
     program = checked("reachtouch")
     left_behind: list[float] = []
@@ -279,7 +275,7 @@ def test_acting_controller_is_not_in_the_background(written: Written, play: Play
     play(program, nothing, watch=watch)
 
 
-def test_a_program_without_an_action_to_begin_with_moves_nothing(
+def test_program_without_an_action_to_begin_with_moves_nothing(
     written: Written, play: Play
 ) -> None:
     program = written(f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'1': track}}\n")
@@ -288,7 +284,7 @@ def test_a_program_without_an_action_to_begin_with_moves_nothing(
     assert "own has no action for state X" in episode.result.ending
 
 
-def test_a_composite_reads_as_its_lead(checked: Checked, play: Play) -> None:
+def test_composite_reads_as_its_lead(checked: Checked, play: Play) -> None:
     """Neither undefined with orient and posture defined, nor at rest with them."""
     program = checked("reachtouch")
     final: list[Tick] = []
@@ -526,7 +522,7 @@ def test_lost_signal_reads_undefined_and_then_in_transient(checked: Checked, pla
     assert tracks == ["0", "-", "0", "1"]
 
 
-def test_a_transition_says_when_and_for_how_long(played: Callable[[str], Played]) -> None:
+def test_transition_says_when_and_for_how_long(played: Callable[[str], Played]) -> None:
     episode = played("searchtrack")
     period = episode.backend.control_period
     ends: list[Transition] = episode.at(0)
@@ -542,7 +538,7 @@ def test_a_transition_says_when_and_for_how_long(played: Callable[[str], Played]
         ("success: ['1X']", "", "Rewarded"),
     ],
 )
-def test_a_program_ends_in_its_states_of_success_and_failure(
+def test_program_ends_in_its_states_of_success_and_failure(
     written: Written, play: Play, ends: str, outcome: str, verdict: str
 ) -> None:
     program = written(
@@ -556,7 +552,7 @@ def test_a_program_ends_in_its_states_of_success_and_failure(
     assert result.ending.startswith(verdict)
 
 
-def test_a_reward_need_not_end_an_episode_and_time_does(written: Written, play: Play) -> None:
+def test_reward_need_not_end_an_episode_and_time_does(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{turn: {TURN}, close: {CLOSE}}}\nactions: [turn, close, turn <| close]\n"
         'policy: {"**": turn <| close}\n'
@@ -580,7 +576,7 @@ def test_rewards_on_the_way_are_no_success(written: Written, play: Play) -> None
     assert result.ending.startswith("Neither succeeded nor failed after 6.0 s")
 
 
-def test_a_learning_episode_ends_with_the_reward(written: Written, play: Play) -> None:
+def test_learning_episode_ends_with_the_reward(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{close: {CLOSE}}}\nactions: [close]\npolicy: {{'*': close}}\n"
         "limits: {reward_ends: false, episode_time: 6 s, transition_time: 60 s}\n"

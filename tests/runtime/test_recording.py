@@ -240,7 +240,7 @@ def test_interrupted_tick_is_not_recorded(
     assert page(recorded)
 
 
-def test_a_controller_is_written_as_its_typed_triple(checked: Checked) -> None:
+def test_controller_is_written_as_its_typed_triple(checked: Checked) -> None:
     told = {
         each.name: triple(each)
         for name in ("searchtrack", "reachtouch", "visualinspect", "twist")

@@ -12,7 +12,7 @@ from cbdsl.runtime import recording_folder
 from cbdsl.runtime.recording_folder import RecordingFolder
 
 
-def test_a_folder_that_cannot_be_written_is_reported_beforehand(tmp_path: Path) -> None:
+def test_folder_that_cannot_be_written_is_reported_beforehand(tmp_path: Path) -> None:
     RecordingFolder(tmp_path / "new").require_ready([0])
     assert not list((tmp_path / "new").iterdir())
     (tmp_path / "file").touch()

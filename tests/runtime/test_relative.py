@@ -114,7 +114,7 @@ def test_relative_reference_along_one_axis_leaves_others_free(arm) -> None:  # t
     assert it.run.size == 1
 
 
-def test_an_orientation_is_turned_in_world_axes(arm) -> None:  # type: ignore[no-untyped-def]
+def test_orientation_is_turned_in_world_axes(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(
         "potential: spring, feedback: right_arm.orientation, effector: right_arm.orientation, "
         'reference: "here + [0 deg, 0 deg, 20 deg]"'
@@ -126,7 +126,7 @@ def test_an_orientation_is_turned_in_world_axes(arm) -> None:  # type: ignore[no
     )
 
 
-def test_a_resource_is_displaced_by_a_constant(arm) -> None:  # type: ignore[no-untyped-def]
+def test_resource_is_displaced_by_a_constant(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(
         'potential: spring, reference: "left_arm.position + [0 cm, -40 cm, 3 cm]", '
         "feedback: right_arm.position, effector: right_arm.position"
@@ -142,7 +142,7 @@ HELD = (
 )
 
 
-def test_a_load_is_undefined_until_it_changes(arm) -> None:  # type: ignore[no-untyped-def]
+def test_load_is_undefined_until_it_changes(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(HELD)
     assert it.move(0.5) == "-"  # nothing is held
     it.force = np.array([0.0, 0.0, 0.8])
@@ -170,7 +170,7 @@ def test_onset_of_a_load_is_cleared_at_activation(arm) -> None:  # type: ignore[
     assert it.move(1.0) == "-"
 
 
-def test_an_evaluation_is_the_potential_of_the_tick(arm) -> None:  # type: ignore[no-untyped-def]
+def test_evaluation_is_the_potential_of_the_tick(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(POSITION + ', reference: "here + [2 cm, 0 cm, 5 cm]"')
     assert it.run.evaluate() is None, "before the first tick"
     it.move(0.1)
@@ -184,7 +184,7 @@ def test_an_evaluation_is_the_potential_of_the_tick(arm) -> None:  # type: ignor
     np.testing.assert_allclose(np.abs(found.jacobian[:, it.run.columns >= 0]), own, atol=1e-12)
 
 
-def test_a_reference_is_held_and_given_back(arm) -> None:  # type: ignore[no-untyped-def]
+def test_reference_is_held_and_given_back(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(POSITION + ', reference: "here + [2 cm, 0 cm, 5 cm]"')
     it.move(0.1)
     own, start = it.run.reference, it.tip

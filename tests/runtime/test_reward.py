@@ -86,7 +86,7 @@ def test_controller_at_rest_before_is_not_rewarded_again(step: Step) -> None:
     assert rewards(step("-1", NEAR)) == ("track",)
 
 
-def test_an_undefined_error_is_not_rewarded(step: Step) -> None:
+def test_undefined_error_is_not_rewarded(step: Step) -> None:
     step("00", FAR)
     assert rewards(step("01", np.nan)) == ()
 
@@ -96,6 +96,6 @@ def test_controller_without_a_signal_of_the_environment_is_not_rewarded(step: St
     assert rewards(step("10", NEAR)) == ()
 
 
-def test_an_unchanged_state_is_no_event(step: Step) -> None:
+def test_unchanged_state_is_no_event(step: Step) -> None:
     step("00", NEAR)
     assert step("00", NEAR) is None

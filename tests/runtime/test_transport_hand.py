@@ -79,7 +79,7 @@ def wall_crossed(path: Path, wall: Obstacle) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(500, 506))
-def test_the_hand_goes_round_the_wall_and_arrives(
+def test_hand_goes_round_the_wall_and_arrives(
     seed: int,
     dexter: RobotDocument,
     kinematics: Kinematics,

@@ -62,7 +62,7 @@ def test_transitions_name_the_use_of_their_program(here: Path) -> None:
     }
 
 
-def test_an_ending_names_the_use_that_ended(here: Path) -> None:
+def test_ending_names_the_use_that_ended(here: Path) -> None:
     (result,) = cbdsl.run("two", backend="kinematic")
     assert "right (posture) has no action for state 1" in result.ending
 
@@ -82,7 +82,7 @@ def test_title_of_a_use_under_its_own_name_is_short() -> None:
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
-def test_the_page_of_an_episode_has_rows_for_each_use(
+def test_page_of_an_episode_has_rows_for_each_use(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words = ("run", "two", "--backend", "kinematic", "--record", "kept")

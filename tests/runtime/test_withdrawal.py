@@ -87,7 +87,7 @@ class GivesWay(Policy):
         return Choice(None, withdraws=True) if name == "withdraw" else Choice(name)
 
 
-def test_a_program_that_is_withdrawn_from_is_left(
+def test_program_that_is_withdrawn_from_is_left(
     dexter: RobotDocument,
     urdf: Path,
     kinematics: Kinematics,

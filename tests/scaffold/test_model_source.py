@@ -274,7 +274,7 @@ def test_without_the_extra_its_name_is_reported(
     assert library in told and "pip install 'cbdsl[formats]'" in told
 
 
-def test_a_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "robots").mkdir()
     source = folder / "robots" / "arm.urdf"
     source.write_text(MODEL)
@@ -284,7 +284,7 @@ def test_a_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize("folder", ["/nope", "", "model.urdf"])
-def test_a_package_without_a_folder_is_refused_for_any_model(
+def test_package_without_a_folder_is_refused_for_any_model(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -298,7 +298,7 @@ def test_a_package_without_a_folder_is_refused_for_any_model(
     assert not (tmp_path / "robots").exists()
 
 
-def test_a_package_in_two_folders_is_refused(
+def test_package_in_two_folders_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)

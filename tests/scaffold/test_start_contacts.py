@@ -47,7 +47,7 @@ def moved(folder: Path, robot: RobotDocument, engine: str) -> float:
 
 
 @pytest.mark.parametrize("engine", ["bullet", "mujoco"])
-def test_a_robot_whose_links_overlap_holds_its_posture(
+def test_robot_whose_links_overlap_holds_its_posture(
     engine: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = proposed(folder, monkeypatch, two_arms())

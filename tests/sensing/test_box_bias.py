@@ -42,7 +42,7 @@ def box_on_the_table(edge: float, rng: np.random.Generator) -> StageDocument:
 
 
 @pytest.mark.parametrize("edge", BOUNDS)
-def test_the_bias_keeps_to_its_stated_bound(dexter: RobotDocument, urdf: Path, edge: float) -> None:
+def test_bias_keeps_to_its_stated_bound(dexter: RobotDocument, urdf: Path, edge: float) -> None:
     backend, named = KinematicBackend(dexter, urdf), resources(dexter)
     wanted = named["stereo.red"], named["stereo.red.volume"]
     signals = Signals(dexter, Kinematics(dexter, urdf), wanted)

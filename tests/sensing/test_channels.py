@@ -72,7 +72,7 @@ def test_channels_of_a_color_equal_those_of_its_image(pixel: tuple[int, int, int
     assert set(seen) == {*channels_of_color([part / 255 for part in pixel], Channels())}
 
 
-def test_a_region_at_the_border_is_clipped_and_a_speck_is_none() -> None:
+def test_region_at_the_border_is_clipped_and_a_speck_is_none() -> None:
     assert see(picture((255, 0, 0), slice(0, 20), slice(30, 50)), "sat_10")["sat_10"][0].clipped
     assert not see(picture((255, 0, 0), slice(40, 43), slice(30, 33)), "sat_10")
 
@@ -160,7 +160,7 @@ def test_outer_or_large_region_is_no_fragment() -> None:
     assert inner.area >= 12 * 20 and speck.area == 1
 
 
-def test_a_notch_encloses_nothing() -> None:
+def test_notch_encloses_nothing() -> None:
     mask = barcode()
     mask[40:80, 110:130] = 0
     assert len(connected_regions(mask, 1)) > 2

@@ -33,31 +33,31 @@ def test_draws_keep_within_the_limits(source: GaussianSample | KernelSample) -> 
     assert (found >= LOWER).all() and (found <= UPPER).all()
 
 
-def test_a_gaussian_has_its_mean_and_deviation() -> None:
+def test_gaussian_has_its_mean_and_deviation() -> None:
     found = draws(SOURCES[0], 4000)
     assert found.mean(axis=0) == pytest.approx([0.1, -0.2], abs=0.005)
     assert found.std(axis=0) == pytest.approx([0.05, 0.02], rel=0.05)
 
 
-def test_a_kernel_is_drawn_as_often_as_its_sample_occurs() -> None:
+def test_kernel_is_drawn_as_often_as_its_sample_occurs() -> None:
     found = draws(KernelSample("head", SAMPLES, (0.05, 0.05)), 3000)
     assert np.mean(found[:, 0] < 0) == pytest.approx(2 / 3, abs=0.03)
 
 
-def test_a_density_outside_the_limits_gives_the_nearest_configuration() -> None:
+def test_density_outside_the_limits_gives_the_nearest_configuration() -> None:
     found = draws(GaussianSample("head", (5.0, 5.0), (0.01, 0.01)), 2)
     assert found == pytest.approx(np.tile(UPPER, (2, 1)))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
-def test_a_share_of_the_draws_is_uniform(share: float) -> None:
+def test_share_of_the_draws_is_uniform(share: float) -> None:
     found = draws(GaussianSample("head", (0.9, 0.4), (0.01, 0.01), share), 4000)
     far = np.abs(found - (0.9, 0.4)).max(axis=1) > 0.06
     assert far.mean() == pytest.approx(share, abs=0.03)
     assert share == 0.0 or found[far].mean(axis=0) == pytest.approx([0, 0], abs=0.05)
 
 
-def test_the_same_seed_gives_the_same_draws() -> None:
+def test_same_seed_gives_the_same_draws() -> None:
     assert draws(SOURCES[2], seed=4) == pytest.approx(draws(SOURCES[2], seed=4), abs=0)
 
 

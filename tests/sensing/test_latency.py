@@ -43,7 +43,7 @@ def place_of_thing(backend: KinematicBackend) -> np.ndarray:
 
 
 @pytest.mark.parametrize("latency", [0.0, 0.1])
-def test_a_head_that_turns_sees_a_thing_stand_still(
+def test_head_that_turns_sees_a_thing_stand_still(
     dexter: RobotDocument, kinematics: Kinematics, latency: float
 ) -> None:
     """Late images taken for new would cause an error of 4 cm at 70 cm."""
@@ -61,7 +61,7 @@ def test_a_head_that_turns_sees_a_thing_stand_still(
     assert max(np.linalg.norm(place - truth) for place in places) < 0.012
 
 
-def test_a_heading_is_that_of_now(dexter: RobotDocument, kinematics: Kinematics) -> None:
+def test_heading_is_that_of_now(dexter: RobotDocument, kinematics: Kinematics) -> None:
     """Head and heading have turned by 0.06 rad since the image was taken.
 
     The camera is not on the axis: how far it has moved aside shows by the thing's distance alone.

@@ -107,7 +107,7 @@ def test_triangulation_inverts_headings(rng: np.random.Generator) -> None:
         np.testing.assert_allclose(position(eyes, headings(eyes, at)), at, atol=1e-12)
 
 
-def test_the_oculomotor_jacobian_inverts_that_of_the_headings(rng: np.random.Generator) -> None:
+def test_oculomotor_jacobian_inverts_that_of_the_headings(rng: np.random.Generator) -> None:
     """Four headings have one position, so that their Jacobian has a left inverse."""
     for _ in range(POINTS):
         eyes, at = cameras(rng), point(rng)

@@ -24,7 +24,7 @@ def check(dexter: RobotDocument, kinematics: Kinematics, **wrong: tuple[int, flo
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e200])
-def test_the_sensor_is_named(dexter: RobotDocument, kinematics: Kinematics, value: float) -> None:
+def test_sensor_is_named(dexter: RobotDocument, kinematics: Kinematics, value: float) -> None:
     joint = kinematics.joints.names[3]
     owner = next(name for name, each in dexter.effectors.items() if joint in each.joints)
     for what in ("position", "velocity"):

@@ -129,7 +129,7 @@ def test_carriers_map_hands_to_their_arms(signals: Signals) -> None:
     assert signals.touch.carriers == {"left_hand": "left_arm", "right_hand": "right_arm"}
 
 
-def test_a_hand_presses_along_its_palms_normal(
+def test_hand_presses_along_its_palms_normal(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray
 ) -> None:
     source = resources(dexter)["hands.net_forces"].source
@@ -146,7 +146,7 @@ def test_a_hand_presses_along_its_palms_normal(
     assert found.value == pytest.approx(3.0 * np.array(down))
 
 
-def test_a_standoff_moves_the_control_point_along_the_tips_normal(
+def test_standoff_moves_the_control_point_along_the_tips_normal(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray
 ) -> None:
     source = resources(dexter)["left_arm.position"].source
@@ -188,7 +188,7 @@ def test_first_reading_of_load_cells_is_their_zero(
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_a_broken_sensor_is_named(
+def test_broken_sensor_is_named(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray, value: float
 ) -> None:
     with pytest.raises(SensorError, match=r"right_hand\.finger_1"):
@@ -199,7 +199,7 @@ def test_a_broken_sensor_is_named(
         signals.update(observe(dexter, posture * value))
 
 
-def test_a_pose_is_its_position_and_its_orientation(
+def test_pose_is_its_position_and_its_orientation(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray
 ) -> None:
     named = resources(dexter)
@@ -213,7 +213,7 @@ def test_a_pose_is_its_position_and_its_orientation(
     assert pose.jacobian == pytest.approx(np.vstack([position.jacobian, orientation.jacobian]))
 
 
-def test_a_probability_is_that_of_the_features_now(
+def test_probability_is_that_of_the_features_now(
     dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
 ) -> None:
     """Leave it undefined without one of its features; use counts for an action without features."""

@@ -20,7 +20,7 @@ def refused(path: Path, most: int = 10) -> OSError:
     return caught.value
 
 
-def test_a_file_is_read_whole_up_to_its_bound(tmp_path: Path) -> None:
+def test_file_is_read_whole_up_to_its_bound(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_bytes(b"0123456789")
     assert contents(path, 10) == b"0123456789"
@@ -38,7 +38,7 @@ def test_path_without_a_regular_file_is_reported_by_its_kind(
     assert refused(Path("/dev/zero")).strerror == "it is a device"
 
 
-def test_a_pipe_without_a_writer_does_not_block(tmp_path: Path) -> None:
+def test_pipe_without_a_writer_does_not_block(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     program = (
         "import sys; from pathlib import Path; from cbdsl.storage.contents import contents\n"
@@ -58,7 +58,7 @@ def test_broken_link_is_reported_with_its_target(tmp_path: Path) -> None:
     assert refused(tmp_path / "none").errno == errno.ENOENT
 
 
-def test_a_file_of_unknown_size_is_bounded_as_well() -> None:
+def test_file_of_unknown_size_is_bounded_as_well() -> None:
     # Files of the kernel report a size of zero.
     assert contents(Path("/proc/self/status"), 1_000_000)
     assert refused(Path("/proc/self/status"), 10).errno == errno.EFBIG

@@ -26,7 +26,7 @@ IDENTITY = {"cbdsl": 1, "seed": 5}
 PLAIN = RowForm[dict[str, Any]]("trial", "a row", dict, dict)
 
 
-def test_a_journal_goes_on_after_its_last_whole_line(tmp_path: Path) -> None:
+def test_journal_goes_on_after_its_last_whole_line(tmp_path: Path) -> None:
     path = tmp_path / "some.jsonl"
     with Journal(path, IDENTITY, PLAIN) as journal:
         assert (journal.path, journal.rows) == (path, [])

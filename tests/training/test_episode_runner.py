@@ -29,7 +29,7 @@ def runner(
     return BackendEpisodeRunner(dexter, kinematics, backend, made_stage({}))
 
 
-def test_an_episode_reports_where_the_effector_was_rewarded(
+def test_episode_reports_where_the_effector_was_rewarded(
     runner: BackendEpisodeRunner,
     backend: SyntheticBackend,
     kinematics: Kinematics,
@@ -55,7 +55,7 @@ def test_transitions_of_a_used_program_are_not_those_of_its_user(
     assert found.reward == 0 and found.rewarded == {}
 
 
-def test_an_episode_without_reward_ends_by_its_transitions(
+def test_episode_without_reward_ends_by_its_transitions(
     runner: BackendEpisodeRunner, checked: Checked
 ) -> None:
     class Searching(Policy):

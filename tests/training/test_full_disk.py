@@ -18,14 +18,14 @@ from tests.training.tasks import outcome
 from tests.training.toy import EPISODES, take
 
 
-def test_a_disk_without_room_is_reported_before_the_episodes(tmp_path: Path) -> None:
+def test_disk_without_room_is_reported_before_the_episodes(tmp_path: Path) -> None:
     with no_file_beyond(1000), pytest.raises(OSError, match="too large"):
         take(tmp_path / "policy.yaml", EPISODES)
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("share", [0.01, 0.2, 0.5, 0.8, 0.99])
-def test_a_disk_that_fills_up_while_episodes_run_costs_one(
+def test_disk_that_fills_up_while_episodes_run_costs_one(
     unbroken: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
 ) -> None:
     whole = trial_journal(unbroken / "policy.yaml").read_bytes()
@@ -59,7 +59,7 @@ mount -o remount,size=16m . && "$@" {LEARN} --resume && cp policy*.yaml ..
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("unshare") is None, reason="no disk of its own without unshare")
-def test_a_small_disk_is_reported_and_with_a_larger_one_the_run_goes_on(tmp_path: Path) -> None:
+def test_small_disk_is_reported_and_with_a_larger_one_the_run_goes_on(tmp_path: Path) -> None:
     (tmp_path / "disk").mkdir()
     (tmp_path / "unbroken").mkdir()
     small = ["unshare", "--map-root-user", "--mount", "sh", "-c", SMALL_DISK, "sh", *CB]

@@ -20,7 +20,7 @@ def predictions(*pairs: tuple[float, bool]) -> list[Prediction]:
     return [Prediction(i, "touch", p, 0.5, rewarded) for i, (p, rewarded) in enumerate(pairs)]
 
 
-def test_a_prophet_scores_nothing_and_a_coin_a_quarter() -> None:
+def test_prophet_scores_nothing_and_a_coin_a_quarter() -> None:
     known = predictions((1.0, True), (0.0, False), (1.0, True))
     assert brier(known) == 0.0
     assert brier(known, base=True) == 0.25
@@ -75,7 +75,7 @@ class Scene:
         return ActionOutcome(name, rewarded=self.seen and undisturbed)
 
 
-def test_an_action_is_tried_in_the_scene_that_was_looked_at() -> None:
+def test_action_is_tried_in_the_scene_that_was_looked_at() -> None:
     catalog = TEN.model_copy(update={"affordances": {"touch": affordance()}})
     outcomes = try_scenes(catalog, cast("ActionRunner", Scene()), range(3), seed=1)
     assert [each.rewarded for each in outcomes] == [True] * 3

@@ -16,7 +16,7 @@ def drawn_from(program: CheckedProgram) -> object:
     return internal_models(program)["head.uniform"].source
 
 
-def test_the_density_is_uniform_at_first_and_grows_with_each_reward() -> None:
+def test_density_is_uniform_at_first_and_grows_with_each_reward() -> None:
     runner, trial = ToyEpisodeRunner(), toy_trial()
     rewarded = []
     for _ in range(6):
@@ -48,7 +48,7 @@ def test_every_part_of_a_program_draws_from_the_same_density() -> None:
 
 
 @pytest.mark.parametrize("exploring", [None, 3, 5, 6])
-def test_a_replayed_trial_is_the_same_trial(exploring: int | None) -> None:
+def test_replayed_trial_is_the_same_trial(exploring: int | None) -> None:
     constants = AccommodateConstants(exploring_episodes=exploring)
     lived, told = (Trial(toy_trial().program, constants, 1) for _ in range(2))
     for _ in range(5):

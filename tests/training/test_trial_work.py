@@ -69,14 +69,14 @@ def test_trial_killed_at_any_point_ends_with_the_same_documents(
 
 
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.1, 0.333, 0.5, 0.77, 0.999])
-def test_a_torn_line_counts_for_nothing(unbroken: Path, tmp_path: Path, share: float) -> None:
+def test_torn_line_counts_for_nothing(unbroken: Path, tmp_path: Path, share: float) -> None:
     whole = trial_journal(unbroken / "policy.yaml").read_bytes()
     trial_journal(tmp_path / "policy.yaml").write_bytes(whole[: int(share * len(whole))])
     take(tmp_path / "policy.yaml", EPISODES, resume=True)
     assert texts(tmp_path) == texts(unbroken)
 
 
-def test_a_trial_can_be_made_longer_and_shorter(unbroken: Path, tmp_path: Path) -> None:
+def test_trial_can_be_made_longer_and_shorter(unbroken: Path, tmp_path: Path) -> None:
     take(tmp_path / "policy.yaml", 5)
     take(tmp_path / "policy.yaml", EPISODES + 3, resume=True)
     assert texts(tmp_path) != texts(unbroken)
@@ -122,7 +122,7 @@ def test_full_disk_keeps_finished_episodes_and_no_partial_document(
 
 
 @pytest.mark.parametrize("text", ["no json\n", "[1]\n", '{"seed": 1}\n'])
-def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> None:
+def test_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> None:
     journal = trial_journal(tmp_path / "policy.yaml")
     journal.write_text(text, encoding="utf-8")
     with pytest.raises(JournalError, match=r"policy\.episodes\.jsonl"):
@@ -142,7 +142,7 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> N
         ),
     ],
 )
-def test_a_damaged_line_is_reported_by_its_number_and_how_to_go_on(
+def test_damaged_line_is_reported_by_its_number_and_how_to_go_on(
     damage: Callable[[str], str], problem: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "policy.episodes.jsonl"

@@ -64,18 +64,18 @@ def test_text_without_a_quantity_has_no_problem(value: object) -> None:
 
 
 @given(st.lists(QUANTITIES, min_size=2, max_size=5), st.sampled_from(["[]", "()", "  "]))
-def test_a_list_in_a_text_is_read(parts: list[str], brackets: str) -> None:
+def test_list_in_a_text_is_read(parts: list[str], brackets: str) -> None:
     text = f"{brackets[0]}{', '.join(parts)}{brackets[1]}"
     assert quantities_in(text) == parts
     assert problem_in(text) == f"a list is written in brackets; write [{', '.join(parts)}]"
 
 
 @given(QUANTITIES, QUANTITIES, st.sampled_from([" - ", " to ", "..", "…"]))
-def test_a_span_in_a_text_is_reported(first: str, second: str, between: str) -> None:
+def test_span_in_a_text_is_reported(first: str, second: str, between: str) -> None:
     said = problem_in(f"{first}{between}{second}")
     assert said is not None and re.search(r"write \[.*, .*\]$", said)
 
 
 @given(QUANTITIES)
-def test_a_quantity_is_no_list(text: str) -> None:
+def test_quantity_is_no_list(text: str) -> None:
     assert quantities_in(text) == [text]

@@ -40,7 +40,7 @@ def test_built_in_entries_are_imported_at_their_first_use(registry: Registry[flo
     assert registry.package("tau") == "cbdsl"
 
 
-def test_a_package_adds_an_entry(registry: Registry[float], folder: Path) -> None:
+def test_package_adds_an_entry(registry: Registry[float], folder: Path) -> None:
     write_package(folder, "greek", {GROUP: {"phi": "greek:phi"}}, greek="phi = 1.618")
     assert registry.get("phi") == 1.618
     assert registry.package("phi") == "greek 1.0"
@@ -48,7 +48,7 @@ def test_a_package_adds_an_entry(registry: Registry[float], folder: Path) -> Non
     assert registry.faults() == ()
 
 
-def test_an_unknown_name_has_the_nearest_and_all_known_ones(registry: Registry[float]) -> None:
+def test_unknown_name_has_the_nearest_and_all_known_ones(registry: Registry[float]) -> None:
     with pytest.raises(
         UsageError, match=r"unknown number 'tua'; did you mean 'tau'.*known: pi, tau"
     ):
@@ -66,7 +66,7 @@ def test_an_unknown_name_has_the_nearest_and_all_known_ones(registry: Registry[f
         ("phi = 'golden'", "is str, not a number"),
     ],
 )
-def test_a_faulty_plugin_is_named_and_takes_nothing_else_down(
+def test_faulty_plugin_is_named_and_takes_nothing_else_down(
     registry: Registry[float], folder: Path, text: str, reason: str
 ) -> None:
     write_package(folder, "greek", {GROUP: {"phi": "greek:phi"}}, greek=text)
@@ -80,7 +80,7 @@ def test_a_faulty_plugin_is_named_and_takes_nothing_else_down(
     assert str(raised.value) == str(fault)
 
 
-def test_a_plugin_that_fails_is_imported_once(registry: Registry[float], folder: Path) -> None:
+def test_plugin_that_fails_is_imported_once(registry: Registry[float], folder: Path) -> None:
     log = folder / "log"
     text = f"open({str(log)!r}, 'a').write('.')\n1 / 0"
     write_package(folder, "greek", {GROUP: {"phi": "greek:phi"}}, greek=text)
@@ -89,7 +89,7 @@ def test_a_plugin_that_fails_is_imported_once(registry: Registry[float], folder:
     assert log.read_text() == "."
 
 
-def test_a_built_in_name_is_not_taken(registry: Registry[float], folder: Path) -> None:
+def test_built_in_name_is_not_taken(registry: Registry[float], folder: Path) -> None:
     write_package(folder, "greek", {GROUP: {"tau": "greek:tau"}}, greek="tau = 0.0")
     assert registry.get("tau") > 6
     (fault,) = registry.faults()

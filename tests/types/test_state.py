@@ -33,7 +33,7 @@ PATTERNS = {
 
 
 @pytest.mark.parametrize("length", LENGTHS)
-def test_a_pattern_matches_its_states_and_the_patterns_within(length: int) -> None:
+def test_pattern_matches_its_states_and_the_patterns_within(length: int) -> None:
     for pattern, states in PATTERNS[length].items():
         assert {state for state in _words(PREDICATES, length) if matches(pattern, state)} == states
         for other, others in PATTERNS[length].items():
@@ -41,7 +41,7 @@ def test_a_pattern_matches_its_states_and_the_patterns_within(length: int) -> No
 
 
 @pytest.mark.parametrize("length", LENGTHS)
-def test_the_overlap_holds_the_states_of_both(length: int) -> None:
+def test_overlap_holds_the_states_of_both(length: int) -> None:
     for one, ones in PATTERNS[length].items():
         for other, others in PATTERNS[length].items():
             both = overlap(one, other)
@@ -63,7 +63,7 @@ def test_split_parts_share_out_a_region(length: int) -> None:
 
 
 @given(LONG, st.data())
-def test_a_state_matches_itself_with_any_letters_left_open(state: str, data: st.DataObject) -> None:
+def test_state_matches_itself_with_any_letters_left_open(state: str, data: st.DataObject) -> None:
     hidden = data.draw(st.lists(st.booleans(), min_size=len(state), max_size=len(state)))
     pattern = "".join(ANY if h else s for h, s in zip(hidden, state, strict=True))
     assert matches(pattern, state)
@@ -78,7 +78,7 @@ def test_patterns_of_another_length_are_a_fault() -> None:
             compared("X*", "X")
 
 
-def test_the_closest_pattern_comes_first_and_equal_ones_stay_in_order() -> None:
+def test_closest_pattern_comes_first_and_equal_ones_stay_in_order() -> None:
     assert closest_first(["**", "1*", "X0", "*0"]) == ["X0", "1*", "*0", "**"]
 
 

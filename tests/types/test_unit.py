@@ -12,7 +12,7 @@ from cbdsl.types.unit import UNITS, QuantityError, parse_quantity, read_quantity
 
 
 @given(st.floats(-1e6, 1e6), st.sampled_from(sorted(UNITS)))
-def test_a_written_quantity_reads_as_its_si_value(number: float, symbol: str) -> None:
+def test_written_quantity_reads_as_its_si_value(number: float, symbol: str) -> None:
     unit = UNITS[symbol]
     assert parse_quantity(f"{number!r} {symbol}") == (number * unit.factor, unit)
     assert read_quantity(f"{number!r} {symbol}", (unit.dimension,)) == number * unit.factor
@@ -32,7 +32,7 @@ def test_non_finite_quantity_is_an_error(value: object) -> None:
         read_quantity(value, ("length",))
 
 
-def test_an_error_names_the_units_that_would_do() -> None:
+def test_error_names_the_units_that_would_do() -> None:
     with pytest.raises(QuantityError, match=r"dimension force; expected length \(m, cm, mm, km\)"):
         read_quantity("2 N", ("length",))
     with pytest.raises(QuantityError, match=r"'metre' is not a unit; expected length"):

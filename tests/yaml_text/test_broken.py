@@ -11,7 +11,7 @@ STEPS = st.lists(st.sampled_from(["a", "b", 0]), min_size=1, max_size=3).map(tup
 
 
 @given(st.lists(STEPS, max_size=4), STEPS)
-def test_a_path_is_touched_from_above_and_from_below(
+def test_path_is_touched_from_above_and_from_below(
     paths: list[tuple[str | int, ...]], steps: tuple[str | int, ...]
 ) -> None:
     broken = Broken(paths)

@@ -123,5 +123,5 @@ def test_links_and_pipes_stop_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
-def test_the_kernels_files_are_no_documents() -> None:
+def test_kernels_files_are_no_documents() -> None:
     assert documents_below(Path("/proc/self")).documents == ()

@@ -176,7 +176,7 @@ def disordered(text: str, rng: random.Random) -> str:
 
 @settings(max_examples=200)
 @given(st.sampled_from(SHORT), st.integers(0, 10**9))
-def test_a_document_in_disorder_is_put_in_order(file: Path, seed: int) -> None:
+def test_document_in_disorder_is_put_in_order(file: Path, seed: int) -> None:
     text = file.read_text("utf-8")
     uneven = disordered(text, random.Random(seed))
     if values(uneven) != values(text):

@@ -22,7 +22,7 @@ def test_shipped_documents_are_found_from_anywhere(tmp_path: Path) -> None:
     assert "searchtrack" in library.names(ProgramDocument)
 
 
-def test_the_nearest_folder_comes_first(tmp_path: Path) -> None:
+def test_nearest_folder_comes_first(tmp_path: Path) -> None:
     near, far = tmp_path / "a" / "robots", tmp_path / "robots"
     for folder in (near, far):
         folder.mkdir(parents=True)
@@ -33,7 +33,7 @@ def test_the_nearest_folder_comes_first(tmp_path: Path) -> None:
     assert library.find(RobotDocument, "dexter") == far / "dexter.yaml"
 
 
-def test_a_path_stays_a_path_and_a_name_is_looked_up(tmp_path: Path) -> None:
+def test_path_stays_a_path_and_a_name_is_looked_up(tmp_path: Path) -> None:
     library = Library(tmp_path)
     assert library.locate(ProgramDocument, "some/where") == Path("some/where")
     assert library.locate(ProgramDocument, "searchtrack").name == "searchtrack.yaml"
@@ -41,7 +41,7 @@ def test_a_path_stays_a_path_and_a_name_is_looked_up(tmp_path: Path) -> None:
         library.locate(ProgramDocument, "searchtrak")
 
 
-def test_a_file_is_read_once() -> None:
+def test_file_is_read_once() -> None:
     library = Library()
     path = library.locate(ProgramDocument, "searchtrack")
     assert library.read(path, ProgramDocument) is library.read(path.absolute(), ProgramDocument)
@@ -81,7 +81,7 @@ def test_name_is_resolved_as_in_a_document_of_the_folder(tmp_path: Path) -> None
         library.locate(ProgramDocument, "ownn")
 
 
-def test_a_folder_does_not_hide_the_document_of_its_name(
+def test_folder_does_not_hide_the_document_of_its_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Folders of a robot's model or of a run's recording likely have the name of its document."""

@@ -127,22 +127,22 @@ def test_merge_keys_are_bounded(tmp_path: Path) -> None:
     assert codes(path) == ["CB108"]
 
 
-def test_an_alias_of_itself_is_a_finding(tmp_path: Path) -> None:
+def test_alias_of_itself_is_a_finding(tmp_path: Path) -> None:
     path = tmp_path / "loop.yaml"
     path.write_text("kind: &a [*a]\n", encoding="utf-8")
     assert codes(path) == ["CB111"]
 
 
-def test_a_document_of_another_kind_is_a_finding() -> None:
+def test_document_of_another_kind_is_a_finding() -> None:
     with pytest.raises(DiagnosticsError, match="CB201"):
         read(SEARCHTRACK, RobotDocument)
 
 
-def test_a_directory_and_a_missing_file_are_findings(tmp_path: Path) -> None:
+def test_directory_and_a_missing_file_are_findings(tmp_path: Path) -> None:
     assert codes(tmp_path) == codes(tmp_path / "none.yaml") == ["CB101"]
 
 
-def test_a_byte_order_mark_and_windows_lines_are_no_fault(tmp_path: Path) -> None:
+def test_byte_order_mark_and_windows_lines_are_no_fault(tmp_path: Path) -> None:
     path = tmp_path / "windows.yaml"
     text = SEARCHTRACK.read_text("utf-8").replace("\n", "\r\n")
     path.write_bytes(b"\xef\xbb\xbf" + text.encode("utf-8"))
@@ -205,7 +205,7 @@ def test_lines_are_counted_as_the_parser_counts_them(tmp_path: Path, line_break:
     assert all(place.line <= len(written) for place in places)
 
 
-def test_a_document_has_an_upper_size(tmp_path: Path) -> None:
+def test_document_has_an_upper_size(tmp_path: Path) -> None:
     path = tmp_path / "large.yaml"
     for text in ("#" * 1_000_000, "[" + "a," * 30_000 + "]", "a: [" + "1," * 2001 + "]"):
         path.write_text(text, encoding="utf-8")

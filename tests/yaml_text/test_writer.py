@@ -67,7 +67,7 @@ def test_shipped_documents_survive(path: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("unseen", "\u200b\u200e\u202a\u202e\u2060\u2066\ufeff", ids=ascii)
 @pytest.mark.parametrize("text", ["{}", "a{}b", "\\{}", "'{}\"", "{}: {}"])
-def test_a_mutant_that_no_test_notices_survives(text: str, unseen: str, tmp_path: Path) -> None:
+def test_mutant_that_no_test_notices_survives(text: str, unseen: str, tmp_path: Path) -> None:
     description = text.replace("{}", unseen)
     document = read_document(SHIPPED[0]).document.model_copy(update={"description": description})
     write(document, tmp_path / "a.yaml")

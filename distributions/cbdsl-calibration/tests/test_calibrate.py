@@ -33,7 +33,7 @@ from tests.cli.test_main import cb
         (("dexter", "--with", "hand=left_arm"), "left_arm"),
     ],
 )
-def test_an_impossible_calibration_is_reported(
+def test_impossible_calibration_is_reported(
     arguments: tuple[str, ...],
     told: str,
     tmp_path: Path,
@@ -51,7 +51,7 @@ def test_an_impossible_calibration_is_reported(
 @pytest.mark.parametrize(
     ("backend", "largest"), [("kinematic", (4.0, 0.25)), ("bullet", (2.5, 0.35))]
 )
-def test_a_body_is_calibrated_by_its_own_hand(
+def test_body_is_calibrated_by_its_own_hand(
     backend: str,
     largest: tuple[float, float],
     tmp_path: Path,
@@ -74,7 +74,7 @@ def test_a_body_is_calibrated_by_its_own_hand(
 
 
 @pytest.mark.slow
-def test_a_killed_calibration_goes_on(tmp_path: Path) -> None:
+def test_killed_calibration_goes_on(tmp_path: Path) -> None:
     """Killed calibrations keep their journal and leave an existing calibration file unchanged."""
     file, journal = made(tmp_path), tmp_path / "mine.jsonl"
     before, words = file.read_bytes(), ["--body", "7", "--backend", "kinematic", "--json"]

@@ -56,7 +56,7 @@ def test_another_calibration_does_not_go_on(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "line", ['{"hold": 0}', '{"hold": 0, "views": [{"camera": "left"}]}', "[]", "nonsense"]
 )
-def test_a_damaged_journal_is_reported_with_its_line(tmp_path: Path, line: str) -> None:
+def test_damaged_journal_is_reported_with_its_line(tmp_path: Path, line: str) -> None:
     file = tmp_path / "mine.jsonl"
     with Journal(file, IDENTITY, HAND_VIEWS) as journal:
         journal.append(HandViews(0, [view(0)]))
@@ -69,7 +69,7 @@ class _KilledError(Exception):
     """The process ends here."""
 
 
-def test_an_interrupted_watch_goes_on_with_another_hold(
+def test_interrupted_watch_goes_on_with_another_hold(
     checked: Checked, dexter: RobotDocument, urdf: Path, library: Library, tmp_path: Path
 ) -> None:
     program = checked("show_ball")._replace(transitions=12)

@@ -128,7 +128,7 @@ def test_too_few_views_are_refused(dexter: RobotDocument, showing: Showing) -> N
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.03])
-def test_a_hand_that_hardly_moves_is_refused(
+def test_hand_that_hardly_moves_is_refused(
     dexter: RobotDocument, showing: Showing, spread: float
 ) -> None:
     true = draw_corrections(np.random.default_rng(0), 0.002, 0.01, CAMERAS)

@@ -27,7 +27,7 @@ def test_gymnasium_finds_nothing_wrong(environment: ProgramEnvironment) -> None:
     check_env(environment, skip_render_check=True)
 
 
-def test_a_step_runs_an_action_until_the_state_changes(environment: ProgramEnvironment) -> None:
+def test_step_runs_an_action_until_the_state_changes(environment: ProgramEnvironment) -> None:
     """Reach the reward with the same actions as the program's own policy."""
     request = cbdsl.load("searchtrack")
     states, info = environment.reset(seed=4)
@@ -90,7 +90,7 @@ def test_make_knows_the_environment_by_its_id() -> None:
     made.close()
 
 
-def test_a_state_of_success_is_paid_and_one_of_failure_is_not() -> None:
+def test_state_of_success_is_paid_and_one_of_failure_is_not() -> None:
     request = cbdsl.load("posture", stage="absent")
     for pattern, paid in (("success", 1.0), ("failure", 0.0)):
         program = request.program._replace(**{pattern: ("1",)})
@@ -102,7 +102,7 @@ def test_a_state_of_success_is_paid_and_one_of_failure_is_not() -> None:
         environment.close()
 
 
-def test_a_success_that_is_rewarded_is_paid_once() -> None:
+def test_success_that_is_rewarded_is_paid_once() -> None:
     request = cbdsl.load("searchtrack")
     program = request.program._replace(success=("*1",))
     environment = ProgramEnvironment(_with(request, program))
@@ -117,7 +117,7 @@ def test_a_success_that_is_rewarded_is_paid_once() -> None:
     environment.close()
 
 
-def test_a_closed_environment_and_an_unknown_action_are_reported() -> None:
+def test_closed_environment_and_an_unknown_action_are_reported() -> None:
     environment = ProgramEnvironment("searchtrack")
     environment.reset(seed=1)
     for action in (-1, len(environment.actions)):

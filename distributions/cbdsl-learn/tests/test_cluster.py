@@ -104,7 +104,7 @@ def cluster(threads: int) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("threads", [0])
-def test_a_cluster_without_workers_is_waited_for_and_then_reported(
+def test_cluster_without_workers_is_waited_for_and_then_reported(
     tmp_path: Path, cluster: Any
 ) -> None:
     notes = Notes()
@@ -130,9 +130,7 @@ def test_run_on_cluster_removes_markers_of_killed_commands(tmp_path: Path, clust
 
 
 @pytest.mark.parametrize("threads", [2])
-def test_a_worker_of_several_threads_is_refused_trial_by_trial(
-    tmp_path: Path, cluster: Any
-) -> None:
+def test_worker_of_several_threads_is_refused_trial_by_trial(tmp_path: Path, cluster: Any) -> None:
     notes = Notes()
     run_on_cluster(made_tasks(tmp_path, 2, 1), cluster.scheduler_address, notes)
     assert sorted(told.partition(" inproc")[0] for told in notes.failures) == [
@@ -143,7 +141,7 @@ def test_a_worker_of_several_threads_is_refused_trial_by_trial(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_worker_that_would_learn_something_else_is_refused(tmp_path: Path, cluster: Any) -> None:
+def test_worker_that_would_learn_something_else_is_refused(tmp_path: Path, cluster: Any) -> None:
     task, elsewhere = made_tasks(tmp_path, 1, 1)[0], tmp_path / "none" / "file"
     with distributed.Client(cluster) as client:
         for there, expected, told in (
@@ -156,7 +154,7 @@ def test_a_worker_that_would_learn_something_else_is_refused(tmp_path: Path, clu
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_abandoned_trial_ends_after_its_episode(tmp_path: Path, cluster: Any) -> None:
+def test_abandoned_trial_ends_after_its_episode(tmp_path: Path, cluster: Any) -> None:
     task = replace(made_tasks(tmp_path, 1, 1)[0], episodes=ENDLESS)
     with distributed.Client(cluster) as client:
         future = client.submit(work, task, tmp_path, versions(), pure=False)
@@ -184,7 +182,7 @@ def _answer(listening: socket.socket) -> None:
             there.sendall(b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n")
 
 
-def test_a_server_that_is_no_scheduler_is_reported(tmp_path: Path) -> None:
+def test_server_that_is_no_scheduler_is_reported(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listening:
         threading.Thread(target=_answer, args=(listening,), daemon=True).start()
         address = f"tcp://127.0.0.1:{listening.getsockname()[1]}"
@@ -235,7 +233,7 @@ def of_page(word: str) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("openssl"), reason="makes the certificates")
-def test_the_page_leads_to_trials_over_tls_and_each_mistake_is_reported(tmp_path: Path) -> None:
+def test_page_leads_to_trials_over_tls_and_each_mistake_is_reported(tmp_path: Path) -> None:
     """Run its lines unchanged, except for the port and fewer episodes without physics."""
     for line in of_page("openssl x509"):
         subprocess.run(["bash", "-ec", line], cwd=tmp_path, check=True, capture_output=True)

@@ -133,7 +133,7 @@ def test_shapes_hang_on_frames_that_there_are(file: Path, recorded: Recorded) ->
     assert all(any(entity[kind] for kind in kinds) for entity in things)
 
 
-def test_the_model_and_the_result_are_kept(file: Path, recorded: Recorded) -> None:
+def test_model_and_the_result_are_kept(file: Path, recorded: Recorded) -> None:
     with file.open("rb") as stream:
         reader = make_reader(stream)
         (attachment,) = reader.iter_attachments()
@@ -143,7 +143,7 @@ def test_the_model_and_the_result_are_kept(file: Path, recorded: Recorded) -> No
     assert metadata.metadata["seed"] == str(SEED)
 
 
-def test_the_command_writes_a_file_beside_each_recording(
+def test_command_writes_a_file_beside_each_recording(
     recorded: Recorded, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = recorded.file.parent

@@ -64,7 +64,7 @@ def mesh(folder: Path, content: str, scale: str = "1 1 1") -> str:
     return f'<mesh filename="part.obj" scale="{scale}"/>'
 
 
-def test_a_mesh_collides_as_its_hull(tmp_path: Path) -> None:
+def test_mesh_collides_as_its_hull(tmp_path: Path) -> None:
     backend = make(tmp_path, model("base", mesh(tmp_path, PYRAMID, "1 1 2")))
     ball = Pose(np.array([0.0, 0.0, 0.3]), np.eye(3))
     engine = backend.truth
@@ -85,9 +85,7 @@ def test_a_mesh_collides_as_its_hull(tmp_path: Path) -> None:
         (None, "does not exist"),
     ],
 )
-def test_a_mesh_that_cannot_collide_is_refused(
-    tmp_path: Path, content: str | None, why: str
-) -> None:
+def test_mesh_that_cannot_collide_is_refused(tmp_path: Path, content: str | None, why: str) -> None:
     given = mesh(tmp_path, content or "")
     if content is None:
         (tmp_path / "part.obj").unlink()
@@ -95,12 +93,12 @@ def test_a_mesh_that_cannot_collide_is_refused(
         make(tmp_path, model("base", given))
 
 
-def test_a_shape_without_extent_is_refused(tmp_path: Path) -> None:
+def test_shape_without_extent_is_refused(tmp_path: Path) -> None:
     with pytest.raises(BackendError, match="link 'base' has a ball without extent"):
         make(tmp_path, model("base", '<sphere radius="0"/>'))
 
 
-def test_a_link_may_have_the_name_of_the_world(tmp_path: Path) -> None:
+def test_link_may_have_the_name_of_the_world(tmp_path: Path) -> None:
     backend = make(tmp_path, model("world", '<box size="0.1 0.1 0.1"/>'), "world")
     assert set(backend.truth.rows) == {"world", "upper", "last"}
     assert backend.truth.link_pose("last").position == pytest.approx([0.3, 0, 0.4], abs=1e-9)

@@ -78,14 +78,14 @@ def test_servos_bear_gravity_within_the_allowed_error(blind: MujocoBackend) -> N
 
 
 @pytest.mark.parametrize("pattern", ["right_thumb", "right_fingr_*"])
-def test_a_pattern_that_matches_no_link_is_refused(dexter: RobotDocument, pattern: str) -> None:
+def test_pattern_that_matches_no_link_is_refused(dexter: RobotDocument, pattern: str) -> None:
     simulation = dexter.simulation.model_copy(update={"no_contact": ((pattern, "right_palm"),)})
     robot = dexter.model_copy(update={"simulation": simulation})
     with pytest.raises(BackendError, match="no link"):
         make_robot_spec(robot, read_urdf(URDF), 1 / 240)
 
 
-def test_a_model_that_cannot_be_simulated_says_why(dexter: RobotDocument) -> None:
+def test_model_that_cannot_be_simulated_says_why(dexter: RobotDocument) -> None:
     spec = make_robot_spec(dexter, read_urdf(URDF), 1 / 240)
     spec.add_exclude(bodyname1=body_name(dexter.base), bodyname2="nobody")
     with pytest.raises(BackendError, match=r"cannot read the model .*dexter\.urdf.*nobody"):

@@ -46,7 +46,7 @@ def stiffness_felt(backend: MujocoBackend, mass: float) -> float:
 
 @pytest.mark.parametrize("mass", [0.0, 0.3])
 @pytest.mark.parametrize("stiffness", [3000.0, 6000.0])
-def test_a_fingertip_gives_way_by_its_stiffness(
+def test_fingertip_gives_way_by_its_stiffness(
     dexter: RobotDocument, stiffness: float, mass: float
 ) -> None:
     first, *others = dexter.simulation.surfaces
@@ -57,7 +57,7 @@ def test_a_fingertip_gives_way_by_its_stiffness(
     backend.close()
 
 
-def test_a_rigid_fingertip_hardly_gives_way(dexter: RobotDocument) -> None:
+def test_rigid_fingertip_hardly_gives_way(dexter: RobotDocument) -> None:
     first, *others = dexter.simulation.surfaces
     rigid = first.model_copy(update={"stiffness": None, "damping": None})
     simulation = dexter.simulation.model_copy(update={"surfaces": (rigid, *others)})

@@ -111,7 +111,7 @@ def test_density_of_a_joint_without_limits_is_shown_over_one_turn() -> None:
     assert found.angles(0)[[0, -1]] == pytest.approx([-np.pi, np.pi])
 
 
-def test_a_density_beyond_the_limits_is_drawn_as_nothing() -> None:
+def test_density_beyond_the_limits_is_drawn_as_nothing() -> None:
     far = Gaussian(form="gaussian", mean=(90.0, 0.0), deviation=(0.1, 0.1))
     document = ModelDocument(cbdsl=1, kind="model", name="m", robot="r", effector="e", density=far)
     found = landscape(far)

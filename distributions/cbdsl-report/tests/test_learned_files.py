@@ -44,7 +44,7 @@ def test_trial_without_a_journal_uses_the_curve(tmp_path: Path) -> None:
     assert without.experiences == ()
 
 
-def test_a_trial_that_went_on_has_more_in_its_journal(tmp_path: Path) -> None:
+def test_trial_that_went_on_has_more_in_its_journal(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked", episodes=20)
     journal = file.with_suffix(".episodes.jsonl")
     whole = journal.read_text("utf-8")
@@ -52,7 +52,7 @@ def test_a_trial_that_went_on_has_more_in_its_journal(tmp_path: Path) -> None:
     assert len(read_learned(file).experiences) == 20
 
 
-def test_a_missing_item_is_reported(tmp_path: Path) -> None:
+def test_missing_item_is_reported(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked")
     (tmp_path / "walked_head.yaml").unlink()
     learned = read_learned(file)
@@ -62,7 +62,7 @@ def test_a_missing_item_is_reported(tmp_path: Path) -> None:
     )
 
 
-def test_a_model_with_other_joints_than_its_effector_is_reported(tmp_path: Path) -> None:
+def test_model_with_other_joints_than_its_effector_is_reported(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked")
     path = tmp_path / "walked_right_hand.yaml"
     model = read(path, ModelDocument).document
@@ -74,7 +74,7 @@ def test_a_model_with_other_joints_than_its_effector_is_reported(tmp_path: Path)
 
 
 @pytest.mark.parametrize("content", ["", "[]\n[]\n", '{"a": 1}\n{"b"', '{}\n{"transitions": []}\n'])
-def test_a_damaged_journal_is_an_error(tmp_path: Path, content: str) -> None:
+def test_damaged_journal_is_an_error(tmp_path: Path, content: str) -> None:
     file = write_trial(tmp_path, "walked")
     file.with_suffix(".episodes.jsonl").write_text(content, encoding="utf-8")
     wanted = r"walked\.episodes\.jsonl(, line 2: it lacks| is not a journal|: holds 0)"
@@ -83,7 +83,7 @@ def test_a_damaged_journal_is_an_error(tmp_path: Path, content: str) -> None:
     assert "Error" not in str(caught.value)
 
 
-def test_a_folder_has_its_policies_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+def test_folder_has_its_policies_in_the_order_of_their_numbers(tmp_path: Path) -> None:
     for number in (10, 9, 0):
         write_trial(tmp_path, f"walked_{number}", seed=number)
     names = [file.name for file in find_learned(tmp_path)]

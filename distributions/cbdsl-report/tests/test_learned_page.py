@@ -49,7 +49,7 @@ def test_learned_page_loads_nothing(text: str) -> None:
     assert not re.search(r"connect-src|https?:", parser.policy)
 
 
-def test_the_same_files_give_the_same_page(learned: list[Learned], text: str) -> None:
+def test_same_files_give_the_same_page(learned: list[Learned], text: str) -> None:
     assert learned_page(learned, 0.2) == text
 
 
@@ -67,7 +67,7 @@ def test_each_trial_has_all_its_states_and_the_same_diagram_as_alone(
         assert states == [decision.state for decision in decisions(each.policy)]
 
 
-def test_the_share_of_arcs_can_be_chosen(learned: list[Learned]) -> None:
+def test_share_of_arcs_can_be_chosen(learned: list[Learned]) -> None:
     few, many = (learned_page(learned[:1], above).count('class="arc"') for above in (0.9, 0.0))
     assert few < many
 

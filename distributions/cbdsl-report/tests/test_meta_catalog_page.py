@@ -70,7 +70,7 @@ def test_without_pairs_there_is_nothing_to_plan() -> None:
     assert "0 of 0 pairs ever stayed" in page and plans_of(page) == []
 
 
-def test_a_thing_in_another_one_is_no_part_of_a_stack() -> None:
+def test_thing_in_another_one_is_no_part_of_a_stack() -> None:
     """Pairs may have been brought together in two ways, on and in."""
     things = {"tray": {"feature": "blue"}, "box": {"feature": "red"}, "ball": {"feature": "green"}}
     known = {"program": "stand", "tried": 3, "rewarded": 3}

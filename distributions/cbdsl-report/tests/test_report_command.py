@@ -33,7 +33,7 @@ def test_report_writes_the_page_beside_the_policy(
     assert text.startswith("<!doctype html>") and text.count('<section class="trial"') == 1
 
 
-def test_a_folder_has_one_page_of_all_its_trials(
+def test_folder_has_one_page_of_all_its_trials(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert cb(monkeypatch, "report", "knowledge") == 0
@@ -44,9 +44,7 @@ def test_a_folder_has_one_page_of_all_its_trials(
     assert Path("knowledge/report.html").read_text("utf-8") == text
 
 
-def test_a_meta_catalog_has_a_page_that_plans(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_meta_catalog_has_a_page_that_plans(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (ROOT / "knowledge" / "meta_catalogs" / "four_things.yaml").read_text("utf-8")
     Path("things.yaml").write_text(text, encoding="utf-8")
     assert cb(monkeypatch, "report", "things.yaml", "--out", "things.html") == 0

@@ -107,7 +107,7 @@ def test_two_behaviours_of_one_robot_in_a_parallel_are_an_error(backend: str) ->
             ticked(tree)
 
 
-def test_a_selector_takes_the_robot_from_a_lower_priority(robot: cbdsl.OpenRobot) -> None:
+def test_selector_takes_the_robot_from_a_lower_priority(robot: cbdsl.OpenRobot) -> None:
     """Start the higher-priority behaviour before the lower one is interrupted."""
     posture = robot.with_program(cbdsl.load("posture", stage="table_right"))
     is_urgent = [False]
@@ -132,7 +132,7 @@ def test_a_selector_takes_the_robot_from_a_lower_priority(robot: cbdsl.OpenRobot
     assert look.status is Status.SUCCESS
 
 
-def test_a_behaviour_of_a_closed_robot_is_an_error() -> None:
+def test_behaviour_of_a_closed_robot_is_an_error() -> None:
     with cbdsl.open_robot("searchtrack", backend="kinematic") as robot:
         behaviour = ProgramBehaviour(robot, seed=11)
         behaviour.tick_once()

@@ -94,13 +94,13 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_tree_ends_as_its_program_does(here: Path, case: str) -> None:
+def test_tree_ends_as_its_program_does(here: Path, case: str) -> None:
     members, policy, expected = CASES[case]
     run, tree, _ = outcomes(write(here, case, members + policy))
     assert (run, tree) == (expected, expected)
 
 
-def test_a_tree_of_uses_within_uses_has_each_with_its_arguments(here: Path) -> None:
+def test_tree_of_uses_within_uses_has_each_with_its_arguments(here: Path) -> None:
     policy = "policy: {X: part, '0': part}\n"
     part = "use: {part: {program: posture, with: {arm: $arm, posture: home}}}\n"
     write(
@@ -116,13 +116,13 @@ def test_a_tree_of_uses_within_uses_has_each_with_its_arguments(here: Path) -> N
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_rewarded_program_ends_as_its_tree(seed: int) -> None:
+def test_rewarded_program_ends_as_its_tree(seed: int) -> None:
     run, tree, actions = outcomes("searchtrack", seed)
     assert run and tree and actions
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_a_random_policy_ends_as_its_tree(here: Path, seed: int) -> None:
+def test_random_policy_ends_as_its_tree(here: Path, seed: int) -> None:
     rng = random.Random(seed)
     members, actions = rng.choice(
         [(TWO, ["left", "right"]), (TURN, ["turn", "arm", "turn ◁ arm"]), (MIXED, ["turn", "left"])]
@@ -139,7 +139,7 @@ def test_a_random_policy_ends_as_its_tree(here: Path, seed: int) -> None:
 
 
 @pytest.mark.parametrize("file", PROGRAMS, ids=[file.stem for file in PROGRAMS])
-def test_the_tree_of_every_shipped_program_is_built(file: Path) -> None:
+def test_tree_of_every_shipped_program_is_built(file: Path) -> None:
     factory = behaviortreepy.BehaviorTreeFactory()
     for name, (kind, _) in LEAVES.items():
         is_condition = kind == "Condition"

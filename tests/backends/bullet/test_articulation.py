@@ -103,7 +103,7 @@ def test_surfaces_have_the_constants_of_the_robot_document(
 
 
 @pytest.mark.parametrize("pattern", ["right_thumb", "right_fingr_*"])
-def test_a_pattern_that_matches_no_link_is_refused(
+def test_pattern_that_matches_no_link_is_refused(
     client: int, dexter: RobotDocument, pattern: str
 ) -> None:
     simulation = dexter.simulation.model_copy(update={"no_contact": ((pattern, "right_palm"),)})

@@ -41,7 +41,7 @@ def test_joints_follow_their_references(blind: BulletBackend) -> None:
     assert blind.observe().time == pytest.approx(2 * steps * blind.control_period)
 
 
-def test_the_physics_rate_must_be_a_multiple_of_the_control_rate(dexter: RobotDocument) -> None:
+def test_physics_rate_must_be_a_multiple_of_the_control_rate(dexter: RobotDocument) -> None:
     simulation = dexter.simulation.model_copy(update={"physics_rate": 200.0})
     robot = dexter.model_copy(update={"simulation": simulation})
     with pytest.raises(BackendError, match=rf"200 Hz.*multiple.*{dexter.control.rate:g} Hz"):

@@ -78,7 +78,7 @@ def test_white_is_bright_where_the_robot_looks(rendered: BulletBackend) -> None:
     assert max(brightness.values()) < 0.9 * 256
 
 
-def test_a_printed_box_has_the_mass_and_inertia_of_a_plain_one(blind: BulletBackend) -> None:
+def test_printed_box_has_the_mass_and_inertia_of_a_plain_one(blind: BulletBackend) -> None:
     dynamics = []
     for stage in (_stage(), _stage(height=0.1, stripes=[0.01] * 9)):
         blind.reset(stage, None, np.random.default_rng(0))
@@ -88,7 +88,7 @@ def test_a_printed_box_has_the_mass_and_inertia_of_a_plain_one(blind: BulletBack
 
 
 @pytest.mark.parametrize("form", [{"shape": "ball"}, {"shape": "cylinder", "height": EDGE}])
-def test_a_round_object_with_a_spot_has_the_mass_and_inertia_of_a_plain_one(
+def test_round_object_with_a_spot_has_the_mass_and_inertia_of_a_plain_one(
     blind: BulletBackend, form: dict[str, Any]
 ) -> None:
     dynamics = []
@@ -112,7 +112,7 @@ def test_a_round_object_with_a_spot_has_the_mass_and_inertia_of_a_plain_one(
         {"shape": "cylinder", "radius": 0.08, "height": 0.16},
     ],
 )
-def test_a_spot_is_round_and_on_its_side_alone(
+def test_spot_is_round_and_on_its_side_alone(
     rendered: BulletBackend, form: dict[str, Any], face: str
 ) -> None:
     spot = {"face": face, "radius": 0.03, "color": (0, 0, 1)}
@@ -144,7 +144,7 @@ def test_a_spot_is_round_and_on_its_side_alone(
         assert blue.sum() == pytest.approx(np.pi * across**2 / 4, rel=0.08)
 
 
-def test_a_printed_fixture_does_not_fall(rendered: BulletBackend) -> None:
+def test_printed_fixture_does_not_fall(rendered: BulletBackend) -> None:
     form = {"shape": "box", "size": [EDGE] * 3, "pattern": {"height": 0.1, "stripes": [0.1]}}
     rendered.reset(
         made_stage({}, fixtures={"box": {"form": form, "position": [3, 0, 0]}}),

@@ -13,7 +13,7 @@ from cbdsl.documents.form import BoxForm
 from cbdsl.documents.stage import StageDocument
 
 
-def test_a_fixture_has_its_form_and_color(
+def test_fixture_has_its_form_and_color(
     bullet: BulletBackend, stage: Callable[[str], StageDocument]
 ) -> None:
     assert isinstance(bullet, GroundTruthProvider)

@@ -13,7 +13,7 @@ MESHES = [(mesh.ball, 4 * np.pi / 3), (mesh.box, 8.0), (mesh.cylinder, 2 * np.pi
 
 
 @pytest.mark.parametrize(("make", "volume"), MESHES)
-def test_the_triangles_enclose_the_solid(make: Callable[[], np.ndarray], volume: float) -> None:
+def test_triangles_enclose_the_solid(make: Callable[[], np.ndarray], volume: float) -> None:
     triangles = make()[:, :, :3]
     normals = make()[:, :, 3:].mean(axis=1)
     a, b, c = np.moveaxis(triangles, 1, 0)

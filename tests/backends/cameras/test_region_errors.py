@@ -63,6 +63,6 @@ def test_errors_grow_with_the_noise_and_small_regions_suffer_most() -> None:
     assert not spread(0.0, 300.0).any()
 
 
-def test_a_region_keeps_a_pixel() -> None:
+def test_region_keeps_a_pixel() -> None:
     noise = RegionErrors(30.0, np.random.default_rng(0))
     assert min(noise.added(1.0, 0.0, 0.0)[0] for _ in range(500)) == 1.0

@@ -30,7 +30,7 @@ def test_cameras_are_off_by_the_stated_distance_and_angle(bullet: BulletBackend)
     assert len(set(errors)) == len(errors), "every camera errs in its own way in every episode"
 
 
-def test_a_body_keeps_its_cameras_in_all_episodes_and_stages(bullet: BulletBackend) -> None:
+def test_body_keeps_its_cameras_in_all_episodes_and_stages(bullet: BulletBackend) -> None:
     def offsets(body: int, seed: int, noise: float) -> np.ndarray:
         disturbance = {"camera_position": 0.002, "body": body, "image_noise": noise}
         bullet.reset(made_stage({}, disturbance=disturbance), None, np.random.default_rng(seed))

@@ -96,7 +96,7 @@ def test_only_objects_are_saturated_in_images(rendered: Simulated) -> None:
         assert np.ptp(image) > 100, "the robot's own arm is in view"
 
 
-def test_the_first_row_is_the_top_and_the_first_column_is_left(rendered: Simulated) -> None:
+def test_first_row_is_the_top_and_the_first_column_is_left(rendered: Simulated) -> None:
     camera = Camera(link="left_camera", width=64, height=48, focal_length=50)
     view = View(camera, Pose(np.array([5.0, 0, 0]), np.eye(3)))
     for y, z, rows, columns in [(0.5, 0, slice(None), slice(32)), (0, 0.4, slice(24), slice(None))]:
@@ -107,7 +107,7 @@ def test_the_first_row_is_the_top_and_the_first_column_is_left(rendered: Simulat
         assert seen[rows, columns].sum() == seen.sum()
 
 
-def test_a_removed_thing_is_gone_from_the_images(rendered: Simulated) -> None:
+def test_removed_thing_is_gone_from_the_images(rendered: Simulated) -> None:
     stage = _stage(0.7, 0.0, -0.1)
     context = stage.contexts["only"].model_copy(update={"removed_after": 0.02})
     rendered.reset(

@@ -27,7 +27,7 @@ from tests.conftest import Checked
     ("name", "cameras", "renderer"),
     [("bullet", "ideal", "ideal cameras"), ("kinematic", "rendered", "opengl")],
 )
-def test_an_engine_runs_with_the_cameras_of_the_other(
+def test_engine_runs_with_the_cameras_of_the_other(
     dexter: RobotDocument,
     kinematics: Kinematics,
     checked: Checked,
@@ -70,7 +70,7 @@ def _flat(region: Region) -> list[float]:
     return [*region[:4], *region.moments]
 
 
-def test_an_unknown_kind_of_cameras_names_the_nearest(dexter: RobotDocument) -> None:
+def test_unknown_kind_of_cameras_names_the_nearest(dexter: RobotDocument) -> None:
     with pytest.raises(BackendError, match=r"'idael'; did you mean 'ideal'\?.*rendered, ideal"):
         embody("kinematic", dexter, URDF, cameras="idael")
 
@@ -84,7 +84,7 @@ class Eyeless:
     reset = observe = apply = step = halt = close = lambda self: None
 
 
-def test_a_backend_without_a_choice_says_so(
+def test_backend_without_a_choice_says_so(
     monkeypatch: pytest.MonkeyPatch, dexter: RobotDocument
 ) -> None:
     monkeypatch.setattr(BACKENDS, "_loaded", {})

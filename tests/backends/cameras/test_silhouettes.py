@@ -64,7 +64,7 @@ def test_silhouette_contains_exactly_the_rays_that_hit_the_shape(name: str) -> N
     ("axis", "name"), [(0.0, "ball"), (1.0, "ball"), (0.0, "box"), (1.0, "box")]
 )
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_patch_is_seen_from_its_side_alone_and_round(axis: float, side: float, name: str) -> None:
+def test_patch_is_seen_from_its_side_alone_and_round(axis: float, side: float, name: str) -> None:
     shape, radius, distance = SHAPES[name], 0.02, 2.0
     half = shape.halves[int(axis)]
     height = math.sqrt(half**2 - radius**2) if name == "ball" else half

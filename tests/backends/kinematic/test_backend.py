@@ -174,7 +174,7 @@ def test_fingers_do_not_penetrate_a_held_object(backend: KinematicBackend, seed:
             assert all(contact.depth < 0.0201 for contact in backend.truth.contacts)
 
 
-def test_a_finger_pushes_a_thing_away_until_friction_holds_it(quiet: KinematicBackend) -> None:
+def test_finger_pushes_a_thing_away_until_friction_holds_it(quiet: KinematicBackend) -> None:
     begin(quiet, made_stage({}))
     tip = quiet.truth.link_pose("right_finger_3_tip").position
     palm = quiet.truth.link_pose("right_palm").position
@@ -236,7 +236,7 @@ def test_object_falls_after_its_support_is_removed(quiet: KinematicBackend) -> N
     assert quiet.truth.pose("upper").position == pytest.approx(start - [0, 0, 0.1], abs=1e-3)
 
 
-def test_a_hand_takes_one_of_two_things(quiet: KinematicBackend) -> None:
+def test_hand_takes_one_of_two_things(quiet: KinematicBackend) -> None:
     placed = {
         "held": {"things": ["ball"], "place": HELD_OUT, "released_after": 2.8},
         "other": {"things": ["ball"], "place": {"x": 0.6, "y": 0.5, "z": 0.5, "held": True}},

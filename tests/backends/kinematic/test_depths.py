@@ -23,7 +23,7 @@ def one(solid: Floats, point: Floats, radius: float = 0.0) -> Floats:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str) -> None:
+def test_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str) -> None:
     rng = np.random.default_rng(0)
     shape = SHAPES[name]
     for _ in range(50):
@@ -49,7 +49,7 @@ def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str)
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_lowest_point_of_a_turned_shape(name: str) -> None:
+def test_lowest_point_of_a_turned_shape(name: str) -> None:
     shape = SHAPES[name]
     rng = np.random.default_rng(2)
     surface = rng.uniform(-0.15, 0.15, size=(200_000, 3))

@@ -108,7 +108,7 @@ def test_first_holder_keeps_an_object_until_its_grasp_fails(
     assert grasp.holders == ("left",)
 
 
-def test_the_thing_goes_along_with_its_carrier(
+def test_thing_goes_along_with_its_carrier(
     grasp: Grasp, thing: KinematicObject, carriers: Carriers
 ) -> None:
     carriers.poses["right"] = Pose(np.array([0.1, 0.0, 0.0]), np.eye(3))

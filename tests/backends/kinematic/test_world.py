@@ -84,7 +84,7 @@ def test_launch_without_friction_keeps_the_velocity(name: str) -> None:
     assert thing.position[0] == pytest.approx(0.3, rel=0.05)
 
 
-def test_a_ball_that_slides_rolls_on_with_five_sevenths_of_its_speed() -> None:
+def test_ball_that_slides_rolls_on_with_five_sevenths_of_its_speed() -> None:
     world, thing = world_with(SHAPES["ball"], 0.0)
     thing.launch(np.array([0.7, 0.0, 0.0]))
     let_go(world, thing, 0.5)

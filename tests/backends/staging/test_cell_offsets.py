@@ -25,7 +25,7 @@ def placed(rotation: np.ndarray) -> np.ndarray:
     return np.array([np.concatenate([np.eye(3).ravel(), np.zeros(3)]), tip])
 
 
-def test_a_weight_is_borne_upwards_behind_its_lever() -> None:
+def test_weight_is_borne_upwards_behind_its_lever() -> None:
     read = offsets(bias=0.0, drift=0.0)
     for turn in np.random.default_rng(1).normal(size=(5, 3)):
         rotation = rotation_of(turn)
@@ -35,7 +35,7 @@ def test_a_weight_is_borne_upwards_behind_its_lever() -> None:
         assert read.added(NOTHING, placed(rotation))[0] == pytest.approx(expected)
 
 
-def test_a_bias_turns_with_its_cell() -> None:
+def test_bias_turns_with_its_cell() -> None:
     read, weight = offsets(bias=0.2, drift=0.0), offsets(bias=0.0, drift=0.0)
     here = np.eye(3)
     bias = (read.added(NOTHING, placed(here)) - weight.added(NOTHING, placed(here)))[0]

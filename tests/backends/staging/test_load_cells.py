@@ -16,7 +16,7 @@ def _cells(seed: int = 0, rate: float = 240.0, ahead: int = 1, **contact: float)
     return LoadCells(CELLS, Contact(**contact), (1 / rate, 1 / 240), rng, ahead)
 
 
-def test_the_filter_passes_two_thirds_after_its_time_constant() -> None:
+def test_filter_passes_two_thirds_after_its_time_constant() -> None:
     wrenches = np.arange(12.0).reshape(2, 6)
     cells = _cells(noise=0, filter=6 / 240)
     for _ in range(6):
@@ -51,7 +51,7 @@ def test_noise_that_is_drawn_ahead_is_the_same() -> None:
 
 
 @pytest.mark.parametrize("rate", [60.0, 15.0])
-def test_the_filter_lags_as_much(dexter: RobotDocument, rate: float) -> None:
+def test_filter_lags_as_much(dexter: RobotDocument, rate: float) -> None:
     wrenches = np.arange(12.0).reshape(2, 6)
     sampled = _cells(noise=0.0, filter=dexter.contact.filter)
     cells = _cells(rate=rate, noise=0.0, filter=dexter.contact.filter)
@@ -79,7 +79,7 @@ def test_as_much_noise_passes(rate: float, time_constant: float) -> None:
     assert np.std(readings[100:], axis=0) == pytest.approx(np.std(expected[100:], axis=0), rel=0.15)
 
 
-def test_a_reading_is_not_changed_by_the_next_sample() -> None:
+def test_reading_is_not_changed_by_the_next_sample() -> None:
     cells = _cells(noise=0.05)
     reading = cells.read()["hand", "a"]
     before = reading.copy()

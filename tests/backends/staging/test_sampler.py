@@ -72,7 +72,7 @@ def test_scenes_that_fit_are_drawn_evenly(dexter: RobotDocument) -> None:
     assert 75 <= sum(sides) <= 125
 
 
-def test_a_thing_stands_on_another_in_its_frame(dexter: RobotDocument) -> None:
+def test_thing_stands_on_another_in_its_frame(dexter: RobotDocument) -> None:
     stage = scene(
         upper={"things": ["ball"], "place": {"on": "lower", "x": 0.02, "y": 0.01}, "apart": 0.1},
         lower={"things": ["box"], "place": ON_TABLE},
@@ -83,7 +83,7 @@ def test_a_thing_stands_on_another_in_its_frame(dexter: RobotDocument) -> None:
     assert relative == pytest.approx([0.02, 0.01, 0.09])
 
 
-def test_a_thing_is_beside_another(dexter: RobotDocument) -> None:
+def test_thing_is_beside_another(dexter: RobotDocument) -> None:
     beside = {"name": "box", "by": [0.2, 0.3], "direction": [0, np.pi / 2]}
     stage = scene(
         box={"things": ["box"], "place": ON_TABLE},

@@ -43,7 +43,7 @@ def test_things_stand_still_on_their_fixture(unseeing: Simulated, name: str) -> 
         assert after.rotation == pytest.approx(before.rotation, abs=1e-2)
 
 
-def test_a_gap_is_measured_from_the_surface(unseeing: Simulated) -> None:
+def test_gap_is_measured_from_the_surface(unseeing: Simulated) -> None:
     for seed in range(3):
         place = {"hand": "right_arm", "gap": 0.02, "held": True}
         unseeing.reset(_stage("ball", place), None, np.random.default_rng(seed))
@@ -65,7 +65,7 @@ def test_things_are_drawn_evenly(unseeing: Simulated) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_a_carried_thing_keeps_its_velocity(unseeing: Simulated, name: str) -> None:
+def test_carried_thing_keeps_its_velocity(unseeing: Simulated, name: str) -> None:
     motion = {"speed": 0.05, "direction": 2.0, "after": 0.1}
     unseeing.reset(_stage(name, motion=motion), None, np.random.default_rng(0))
     start = unseeing.truth.pose(name).position
@@ -78,7 +78,7 @@ def test_a_carried_thing_keeps_its_velocity(unseeing: Simulated, name: str) -> N
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_a_shaken_thing_goes_to_and_fro(unseeing: Simulated, name: str) -> None:
+def test_shaken_thing_goes_to_and_fro(unseeing: Simulated, name: str) -> None:
     motion = {"speed": 0.3, "direction": np.pi / 2, "within": 0.04, "after": 0.1}
     unseeing.reset(_stage(name, motion=motion), None, np.random.default_rng(0))
     start = unseeing.truth.pose(name).position
@@ -93,7 +93,7 @@ def test_a_shaken_thing_goes_to_and_fro(unseeing: Simulated, name: str) -> None:
     assert np.sum(np.diff(np.sign(y)) != 0) == pytest.approx(4, abs=1)
 
 
-def test_a_carried_thing_is_left_alone_once_the_hand_touches_it(unseeing: Simulated) -> None:
+def test_carried_thing_is_left_alone_once_the_hand_touches_it(unseeing: Simulated) -> None:
     unseeing.reset(made_stage({}), None, np.random.default_rng(0))
     tip = unseeing.truth.link_pose("right_finger_1_tip").position
     shelf = {
@@ -121,7 +121,7 @@ def test_a_carried_thing_is_left_alone_once_the_hand_touches_it(unseeing: Simula
     assert np.linalg.norm(unseeing.truth.velocity("block")) < 0.02
 
 
-def test_a_thrown_thing_flies_freely_from_its_time_on(unseeing: Simulated) -> None:
+def test_thrown_thing_flies_freely_from_its_time_on(unseeing: Simulated) -> None:
     motion = {"speed": 1.0, "direction": 0, "upward": 2.0, "thrown": True, "after": 0.2}
     unseeing.reset(_stage("ball", motion=motion), None, np.random.default_rng(0))
     start = unseeing.truth.pose("ball").position
@@ -132,7 +132,7 @@ def test_a_thrown_thing_flies_freely_from_its_time_on(unseeing: Simulated) -> No
     assert flown == pytest.approx([0.3, 0, 2.0 * 0.3 - 9.81 * 0.3**2 / 2], abs=0.03)
 
 
-def test_a_thing_is_removed_on_time(unseeing: Simulated) -> None:
+def test_thing_is_removed_on_time(unseeing: Simulated) -> None:
     unseeing.reset(_stage("box", removed_after=0.25), None, np.random.default_rng(0))
     run(unseeing, 0.2)
     assert "box" in unseeing.truth.names()
@@ -181,7 +181,7 @@ def test_held_object_stays_at_its_place(unseeing: Simulated, name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_the_moving_thing_stays_on_the_table(unseeing: Simulated, seed: int) -> None:
+def test_moving_thing_stays_on_the_table(unseeing: Simulated, seed: int) -> None:
     unseeing.reset(stage_named("moving_right"), None, np.random.default_rng(seed))
     (name,) = set(unseeing.truth.names()) - {"table"}
     start = unseeing.truth.pose(name).position
@@ -191,7 +191,7 @@ def test_the_moving_thing_stays_on_the_table(unseeing: Simulated, seed: int) -> 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
-def test_the_thrown_ball_ends_off_the_table(unseeing: Simulated, seed: int) -> None:
+def test_thrown_ball_ends_off_the_table(unseeing: Simulated, seed: int) -> None:
     unseeing.reset(stage_named("thrown"), None, np.random.default_rng(seed))
     run(unseeing, 5.0)
     assert unseeing.truth.pose("ball").position[2] < -1

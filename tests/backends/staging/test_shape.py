@@ -23,7 +23,7 @@ HALVES = {
 
 
 @pytest.mark.parametrize("kind", FORMS)
-def test_a_shape_is_drawn_within_its_form(kind: str) -> None:
+def test_shape_is_drawn_within_its_form(kind: str) -> None:
     form: BallForm | BoxForm | CylinderForm = TypeAdapter(
         BallForm | BoxForm | CylinderForm
     ).validate_python(FORMS[kind])

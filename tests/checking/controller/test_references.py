@@ -29,7 +29,7 @@ def test_identity_quaternion_is_accepted() -> None:
     assert read_literal((0, 0, 0, 1), TURNED) == Literal((0.0, 0.0, 0.0))
 
 
-def test_a_pose_has_its_quaternion_behind_the_position() -> None:
+def test_pose_has_its_quaternion_behind_the_position() -> None:
     literal = read_literal(("10 cm", 0, "2 m", 0, 0, 0.7071, 0.7071), PLACED)
     assert isinstance(literal, Literal)
     np.testing.assert_allclose(literal.values, [0.1, 0, 2, 0, 0, np.pi / 2], atol=1e-4)

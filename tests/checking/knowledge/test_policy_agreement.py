@@ -66,7 +66,7 @@ def digest(folder: Path) -> str:
     return program_digest(folder / "programs" / "reachtouch.yaml", Library(folder)).sha256
 
 
-def test_a_used_program_runs_under_its_learned_policy_and_draws_from_its_models(
+def test_used_program_runs_under_its_learned_policy_and_draws_from_its_models(
     folder: Path,
 ) -> None:
     used = next(action.program for action in checked(folder).actions if action.program)
@@ -133,7 +133,7 @@ def test_digest_changes_with_inputs_of_learning(
     assert (digest(folder) != before) == differs
 
 
-def test_the_policies_that_run_inside_of_a_program_have_digests_of_their_own(folder: Path) -> None:
+def test_policies_that_run_inside_of_a_program_have_digests_of_their_own(folder: Path) -> None:
     program = folder / "programs" / "outer.yaml"
     text = SHIPPED["searchtrack"].replace("name: searchtrack", "name: outer")
     use = "use: {grasp: {program: reachtouch}}\ncontrollers:"
@@ -146,7 +146,7 @@ def test_the_policies_that_run_inside_of_a_program_have_digests_of_their_own(fol
     assert program_digest(program, Library(folder)).policies == {}
 
 
-def test_the_policy_of_a_used_program_matters_where_no_other_takes_its_place(folder: Path) -> None:
+def test_policy_of_a_used_program_matters_where_no_other_takes_its_place(folder: Path) -> None:
     change(folder / "programs/reachtouch.yaml", "    policy: learned\n", "")
     before = digest(folder)
     change(folder / "programs/searchtrack.yaml", '"*1": search', '"*1": track')

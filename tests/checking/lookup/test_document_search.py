@@ -46,7 +46,7 @@ def stage_fault(library: Library, stage: str) -> Diagnostic:
 
 
 @pytest.mark.parametrize(("stage", "code"), [("absent", "CB603"), ("nowhere", "CB602")])
-def test_a_robot_without_stages_of_its_own_has_those_for_any(
+def test_robot_without_stages_of_its_own_has_those_for_any(
     library: Library, stage: str, code: str
 ) -> None:
     found = stage_fault(library, stage)

@@ -10,7 +10,7 @@ from cbdsl.yaml_text.library import Library
 
 
 @pytest.mark.parametrize(("side", "sign"), [("10 cm", 1), ("-10 cm", -1)])
-def test_a_negated_parameter_may_be_negative(
+def test_negated_parameter_may_be_negative(
     side: str, sign: int, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     file = tmp_path_factory.mktemp("scope") / "sides.yaml"

@@ -58,13 +58,13 @@ def test_programs_with_values_of_their_own_are_counted(tmp_path: Path) -> None:
     assert "CB610" in {code.split(":")[1] for code in found}
 
 
-def test_a_value_does_not_grow_for_ever(tmp_path: Path) -> None:
+def test_value_does_not_grow_for_ever(tmp_path: Path) -> None:
     found = codes(chain(tmp_path, 60, ("$v$v", "$v$v")), tmp_path)  # 6 * 2**60 characters
     assert "CB409" in {code.split(":")[1] for code in found}
 
 
 @pytest.mark.parametrize("name", ["self", "other"])
-def test_a_program_is_known_by_its_file_not_by_its_name(name: str, tmp_path: Path) -> None:
+def test_program_is_known_by_its_file_not_by_its_name(name: str, tmp_path: Path) -> None:
     path = write(tmp_path, "self", {"again": "self"}, name=name)
     assert "self:CB605" in codes(path, tmp_path)
 
@@ -76,7 +76,7 @@ GRAPHS = st.lists(st.sets(st.integers(0, 5), max_size=3), min_size=6, max_size=6
     max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(graph=GRAPHS, order=st.permutations(range(6)))
-def test_the_order_of_checking_changes_nothing(
+def test_order_of_checking_changes_nothing(
     graph: list[set[int]], order: list[int], tmp_path: Path
 ) -> None:
     paths = [

@@ -86,7 +86,7 @@ def test_solid_links_frames_and_cameras_are_not_worth_a_note(
     assert "CB742" not in capsys.readouterr().out
 
 
-def test_an_effort_of_0_is_noted_unless_the_document_bounds_it(
+def test_effort_of_0_is_noted_unless_the_document_bounds_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = write(folder, base=FRAME, upper=SOLID, lower=SOLID, effort=0)
@@ -140,7 +140,7 @@ def test_notes_of_a_robot_are_reported_for_its_document_and_not_for_its_users(
     assert [printed.count(code) for code in ("CB742 (note)", "CB743 (note)")] == [1, 1]
 
 
-def test_a_comment_silences_a_note(
+def test_comment_silences_a_note(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = write(folder, base=SOLID, upper=SEEN, lower=SOLID, effort=1)

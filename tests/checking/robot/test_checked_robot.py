@@ -27,7 +27,7 @@ def test_every_resource_is_declared_in_the_robots_document(path: Path) -> None:
         assert word in {*name.split("."), "cameras"}, name
 
 
-def test_a_clash_of_types_reports_where_both_resources_come_from(tmp_path: Path) -> None:
+def test_clash_of_types_reports_where_both_resources_come_from(tmp_path: Path) -> None:
     program = tmp_path / "programs" / "clash.yaml"
     program.parent.mkdir()
     program.write_text(
@@ -65,14 +65,14 @@ def _found(paths: list[Path], folder: Path) -> set[tuple[str, str]]:
 
 
 @pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
-def test_a_robot_with_an_invalid_model_is_one_finding(path: Path, tmp_path: Path) -> None:
+def test_robot_with_an_invalid_model_is_one_finding(path: Path, tmp_path: Path) -> None:
     paths = _with_its_programs(path.stem, tmp_path)
     (tmp_path / "robots" / f"{path.stem}.urdf").write_text("<robot", encoding="utf-8")
     assert len(paths) > 1
     assert _found(paths, tmp_path) == {("CB301", path.name)}
 
 
-def test_a_camera_at_an_unknown_link_is_one_finding(tmp_path: Path) -> None:
+def test_camera_at_an_unknown_link_is_one_finding(tmp_path: Path) -> None:
     paths = _with_its_programs("dexter", tmp_path)
     robot = tmp_path / "robots" / "dexter.yaml"
     text = robot.read_text("utf-8")
@@ -93,9 +93,7 @@ def test_a_camera_at_an_unknown_link_is_one_finding(tmp_path: Path) -> None:
         ("{distance: 2 cm, keep_out: {pole: {points: [[0.3, 0, 0]], radius: 1 m}}}", "CB587"),
     ],
 )
-def test_a_clearance_that_does_not_fit_is_one_finding(
-    stated: str, code: str, tmp_path: Path
-) -> None:
+def test_clearance_that_does_not_fit_is_one_finding(stated: str, code: str, tmp_path: Path) -> None:
     paths = _with_its_programs("dexter", tmp_path)
     robot = tmp_path / "robots" / "dexter.yaml"
     value = stated if stated[0] == "{" else f"{{{stated}}}"

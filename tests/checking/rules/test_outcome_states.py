@@ -70,13 +70,13 @@ def codes(folder: Path, members: int, pattern: str) -> list[str]:
     return [each.code for each in check_document(path, session=Session(Library(ROOT)))]
 
 
-def test_an_end_that_the_policy_never_leads_to_is_reported(tmp_path: Path) -> None:
+def test_end_that_the_policy_never_leads_to_is_reported(tmp_path: Path) -> None:
     # While the composition runs, no member is inactive.
     assert "CB722" in codes(tmp_path, 3, "1XX")
     assert "CB722" not in codes(tmp_path, 3, "111")
 
 
-def test_the_check_ends_for_any_number_of_members(tmp_path: Path) -> None:
+def test_check_ends_for_any_number_of_members(tmp_path: Path) -> None:
     """Forty members with three predicate values each have too many states to enumerate."""
     assert "CB722" not in codes(tmp_path, 40, "1" * 40)
 

@@ -50,9 +50,7 @@ def test_program_of_motions_alone_has_no_reward(name: str) -> None:
     ],
     ids=["composed", "used"],
 )
-def test_a_reward_that_is_not_the_programs_own_is_named(
-    text: str, why: str, tmp_path: Path
-) -> None:
+def test_reward_that_is_not_the_programs_own_is_named(text: str, why: str, tmp_path: Path) -> None:
     path = tmp_path / "own.yaml"
     path.write_text(HEAD + text, encoding="utf-8")
     (message,) = told(path, Library(tmp_path))

@@ -94,7 +94,7 @@ def test_unknown_neighbour_is_reported_with_the_known_ones(tmp_path: Path) -> No
     assert codes(tmp_path, text) == ["CB351", "CB351"]
 
 
-def test_a_placed_thing_has_a_name_of_its_own(tmp_path: Path) -> None:
+def test_placed_thing_has_a_name_of_its_own(tmp_path: Path) -> None:
     text = placed(table="{things: [ball], place: {x: 45 cm, z: 0}}")
     assert codes(tmp_path, text) == ["CB354"]
 

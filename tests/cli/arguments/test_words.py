@@ -20,7 +20,7 @@ from tests.cli.test_main import cb
         (["new", "program", ""], "after 'program'"),
     ],
 )
-def test_an_empty_word_is_one_clear_message_and_nothing_is_done(
+def test_empty_word_is_one_clear_message_and_nothing_is_done(
     words: list[str],
     told: str,
     tmp_path: Path,

@@ -122,7 +122,7 @@ def test_unsuitable_live_options_print_one_message(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_taken_port_is_one_message_with_a_free_one(
+def test_taken_port_is_one_message_with_a_free_one(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
@@ -134,7 +134,7 @@ def test_a_taken_port_is_one_message_with_a_free_one(
 
 
 @pytest.mark.parametrize(("variables", "opened"), [({}, False), ({"DISPLAY": ":0"}, True)], ids=str)
-def test_a_browser_is_opened_only_where_there_is_a_screen(
+def test_browser_is_opened_only_where_there_is_a_screen(
     monkeypatch: pytest.MonkeyPatch, variables: dict[str, str], opened: bool
 ) -> None:
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
@@ -152,7 +152,7 @@ def test_a_browser_is_opened_only_where_there_is_a_screen(
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize("during", ["the run", "the stay"])
-def test_an_interrupt_leaves_no_process_and_no_port(name: str, during: str) -> None:
+def test_interrupt_leaves_no_process_and_no_port(name: str, during: str) -> None:
     words = [*REACH[:-1], "--live", *(["--fast"] if during == "the stay" else [])]
     process = subprocess.Popen(
         [sys.executable, "-c", "from cbdsl.cli.main import main; main()", *words],

@@ -15,7 +15,7 @@ def _new_process() -> None:
     compilation._report.cache_clear()
 
 
-def test_the_first_function_that_is_compiled_is_reported(
+def test_first_function_that_is_compiled_is_reported(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     functions = [njit(lambda x, plus=plus: x + plus) for plus in (1, 2)]

@@ -57,7 +57,7 @@ def test_explain_prints_a_table_at_every_transition(told: str) -> None:
     assert set(TRANSITION.findall(told)[1:]) <= tables
 
 
-def test_the_stack_is_reported_from_the_highest_priority(told: str) -> None:
+def test_stack_is_reported_from_the_highest_priority(told: str) -> None:
     last = told[told.rindex("  level ") :].splitlines()[1:]
     names = [line.split()[0] for line in last if not line.lstrip().startswith("at their")]
     assert names[:4] == ["touch", "approach", "orient", "posture"]

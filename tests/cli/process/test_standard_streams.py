@@ -31,7 +31,7 @@ def cb(words: list[str], closed: str, folder: Path) -> subprocess.CompletedProce
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
-def test_a_command_with_closed_streams_ends_as_with_open_ones(
+def test_command_with_closed_streams_ends_as_with_open_ones(
     words: list[str], tmp_path: Path
 ) -> None:
     plain = cb(words, "", tmp_path)
@@ -41,27 +41,27 @@ def test_a_command_with_closed_streams_ends_as_with_open_ones(
     assert cb(words, ">&- 2>&- <&-", tmp_path).returncode == plain.returncode
 
 
-def test_a_closed_standard_error_prints_nothing_among_the_output(tmp_path: Path) -> None:
+def test_closed_standard_error_prints_nothing_among_the_output(tmp_path: Path) -> None:
     done = cb(["validate", "nothing_of_this_name"], "2>&-", tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
 
 
 @pytest.mark.parametrize("words", [["validate", "-"], ["fmt", "-"]], ids=" ".join)
-def test_a_closed_standard_input_that_is_read_is_named(words: list[str], tmp_path: Path) -> None:
+def test_closed_standard_input_that_is_read_is_named(words: list[str], tmp_path: Path) -> None:
     done = cb(words, "<&-", tmp_path)
     assert done.returncode == 2
     assert done.stderr == "cb: the standard input is closed; name a file instead of '-'\n"
 
 
 @pytest.mark.parametrize("closed", ["<&-", ">&-"])
-def test_a_language_server_without_streams_says_so(closed: str, tmp_path: Path) -> None:
+def test_language_server_without_streams_says_so(closed: str, tmp_path: Path) -> None:
     pytest.importorskip("pygls")
     done = cb(["lsp"], f"{closed} {'' if '<' in closed else '</dev/null'}", tmp_path)
     assert done.returncode == 2
     assert "cb: cb lsp needs the standard input and output" in done.stderr
 
 
-def test_a_file_never_takes_the_number_of_a_closed_stream(tmp_path: Path) -> None:
+def test_file_never_takes_the_number_of_a_closed_stream(tmp_path: Path) -> None:
     """Files get descriptors above 2, so that output of C libraries is not written into them."""
     code = (
         "from cbdsl.cli.process.standard_streams import fill_closed_streams; "

@@ -53,7 +53,7 @@ def test_hangup_that_nohup_ignores_stays_ignored() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_an_interrupted_trial_reports_how_to_continue(sent: signal.Signals, tmp_path: Path) -> None:
+def test_interrupted_trial_reports_how_to_continue(sent: signal.Signals, tmp_path: Path) -> None:
     lesson = subprocess.Popen(
         [sys.executable, "-c", COMMAND, *LEARN],
         cwd=tmp_path,

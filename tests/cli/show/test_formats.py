@@ -64,7 +64,7 @@ def test_another_format_is_refused_with_the_nearest(
     assert "did you mean 'json'? (known: text, json" in capsys.readouterr().err
 
 
-def test_the_list_of_documents_has_the_same_option(
+def test_list_of_documents_has_the_same_option(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert not cb(monkeypatch, "list", "robots", "--format", "json")
@@ -80,7 +80,7 @@ def test_backend_option_with_help_lists_the_backends(
     assert all(name in listed for name in ("bullet", "mujoco", "kinematic"))
 
 
-def test_a_backend_without_a_name_lists_the_known_ones(
+def test_backend_without_a_name_lists_the_known_ones(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "run", "reach", "--backend") == 2

@@ -48,7 +48,7 @@ def gutter() -> np.ndarray:
     return np.concatenate([cuboid((a, 0, 0), (b, 100, c)) for a, b, c in parts])
 
 
-def test_a_mesh_becomes_the_form_of_a_thing(run: Run, tmp_path: Path) -> None:
+def test_mesh_becomes_the_form_of_a_thing(run: Run, tmp_path: Path) -> None:
     file = write_stl(tmp_path / "gutter.stl", gutter())
     result = run("show", "mesh", str(file), "--scale", "0.001")
     assert result.code == 0
@@ -70,7 +70,7 @@ def test_a_mesh_becomes_the_form_of_a_thing(run: Run, tmp_path: Path) -> None:
         ("thing.stl", b"\xff" * 100, "not a mesh"),
     ],
 )
-def test_an_invalid_mesh_is_reported(
+def test_invalid_mesh_is_reported(
     run: Run, tmp_path: Path, name: str, data: bytes | None, problem: str
 ) -> None:
     if data is not None:
@@ -80,7 +80,7 @@ def test_an_invalid_mesh_is_reported(
     assert problem in result.err and "Traceback" not in result.err
 
 
-def test_a_mesh_in_millimetres_is_too_large_for_a_thing(run: Run, tmp_path: Path) -> None:
+def test_mesh_in_millimetres_is_too_large_for_a_thing(run: Run, tmp_path: Path) -> None:
     result = run("show", "mesh", str(write_stl(tmp_path / "gutter.stl", gutter())))
     assert result.code == 2
     assert "100 m long; things are 1 mm to 2 m" in result.err and "--scale" in result.err

@@ -162,7 +162,7 @@ def test_show_policy_with_wrong_arguments_prints_one_message(
 
 
 @pytest.mark.parametrize("state", ["X", "XXX", "X?"])
-def test_a_state_without_a_letter_for_each_member_is_reported(
+def test_state_without_a_letter_for_each_member_is_reported(
     state: str,
     policy: PolicyDocument,
     file: Path,

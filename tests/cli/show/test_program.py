@@ -104,7 +104,7 @@ def test_every_quantity_has_its_unit(
         assert told in text
 
 
-def test_an_unknown_format_is_reported_with_the_known_ones(
+def test_unknown_format_is_reported_with_the_known_ones(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "program", "reach", "--format", "xml") == 2

@@ -49,14 +49,14 @@ def shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
     return run
 
 
-def test_the_trees_are_reported_question_by_question(shown: Shown, file: Path) -> None:
+def test_trees_are_reported_question_by_question(shown: Shown, file: Path) -> None:
     text = shown(file)
     assert "  place.x > 1.02 m: 2 %\n  else: 97 %" in text
     assert "volume > 0.012 m^3: both\n  else:\n    place.y > 2 cm: left" in text
     assert "else: right, then left" in text
 
 
-def test_the_drawing_has_all_questions_and_answers(shown: Shown, file: Path) -> None:
+def test_drawing_has_all_questions_and_answers(shown: Shown, file: Path) -> None:
     picture = ElementTree.fromstring(shown(file, "--format", "svg"))
     words = " ".join(picture.itertext())
     for word in ("place.x > 1.02 m ?", "volume > 0.012 m^3 ?", "reward 97 %", "both", "then left"):

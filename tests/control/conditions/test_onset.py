@@ -44,7 +44,7 @@ class Waiting:
 
 
 @pytest.mark.parametrize("seconds", [0.2, 0.5, 10.0])
-def test_a_lasting_drop_is_contact_and_the_mean_is_the_weight(seconds: float) -> None:
+def test_lasting_drop_is_contact_and_the_mean_is_the_weight(seconds: float) -> None:
     waiting = Waiting()
     assert waiting.ticks(WEIGHT, seconds) is None
     after = waiting.ticks(WEIGHT - [0, 0, 2.0], 1.0)
@@ -52,14 +52,14 @@ def test_a_lasting_drop_is_contact_and_the_mean_is_the_weight(seconds: float) ->
     np.testing.assert_allclose(waiting.state["mean"][0], WEIGHT, atol=0.15)
 
 
-def test_a_load_that_is_there_from_the_beginning_has_not_changed() -> None:
+def test_load_that_is_there_from_the_beginning_has_not_changed() -> None:
     waiting = Waiting(along=-DOWN)
     assert waiting.ticks(WEIGHT, 1.0) is None
     after = waiting.ticks(WEIGHT - [0, 0, -2.0], 1.0)
     assert after is not None and after < 0.15
 
 
-def test_a_rise_a_push_aside_and_a_short_drop_are_no_contact() -> None:
+def test_rise_a_push_aside_and_a_short_drop_are_no_contact() -> None:
     waiting = Waiting()
     waiting.ticks(WEIGHT, 1.0)
     assert waiting.ticks(WEIGHT - [0, 0, -3.0], 0.3) is None
@@ -69,13 +69,13 @@ def test_a_rise_a_push_aside_and_a_short_drop_are_no_contact() -> None:
     assert waiting.ticks(WEIGHT, 1.0) is None
 
 
-def test_a_drop_while_the_hand_moves_fast_is_no_contact() -> None:
+def test_drop_while_the_hand_moves_fast_is_no_contact() -> None:
     waiting = Waiting()
     waiting.ticks(WEIGHT, 1.0, speed=0.3)
     assert waiting.ticks(WEIGHT - [0, 0, 2.0], 0.3, speed=0.3) is None
 
 
-def test_a_load_that_changes_slowly_is_another_weight() -> None:
+def test_load_that_changes_slowly_is_another_weight() -> None:
     waiting = Waiting()
     waiting.ticks(WEIGHT, 1.0)
     for step in np.linspace(0, 2, 60):

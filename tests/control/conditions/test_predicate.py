@@ -79,7 +79,7 @@ def test_rest_threshold_is_a_rate_independent_of_the_period(slope: float, excess
     assert watch(monitor, ramp, every_tick)[-20:] == ("1" if excess < 1 else "0") * 20
 
 
-def test_a_decaying_potential_comes_to_rest_once() -> None:
+def test_decaying_potential_comes_to_rest_once() -> None:
     monitor = Monitor(rate=1e-3, window=0.3, period=TICK)
     states = watch(monitor, [math.exp(-4 * tick * TICK) for tick in range(600)], every_tick)
     assert states.strip("1").strip("0") == ""
@@ -101,7 +101,7 @@ def test_restart_of_an_undefined_monitor_keeps_it_undefined() -> None:
     assert monitor.predicate == "-"
 
 
-def test_a_disturbance_ends_the_rest() -> None:
+def test_disturbance_ends_the_rest() -> None:
     monitor = Monitor(rate=1e-3, window=0.1, period=TICK)
     states = watch(monitor, [0.0] * 20 + [0.5] * 20, every_tick)
     assert states[19] == "1"
@@ -109,7 +109,7 @@ def test_a_disturbance_ends_the_rest() -> None:
     assert states[-1] == "1"
 
 
-def test_a_potential_repeated_between_images_is_not_at_rest() -> None:
+def test_potential_repeated_between_images_is_not_at_rest() -> None:
     """Lower the potential with every image; between images it only looks constant."""
     window = 0.05  # shorter than the 66.7 ms between two images
     falling = [1.0 / (1 + tick // IMAGE) for tick in range(IMAGE * 12)]

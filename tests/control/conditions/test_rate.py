@@ -126,7 +126,7 @@ def test_steps_that_are_not_finite_are_refused_and_change_nothing(bad: float) ->
 
 
 @pytest.mark.parametrize("potential", ["manipulability", "localizability"])
-def test_the_speed_of_a_scalar_potential_is_that_of_the_joints(potential: str) -> None:
+def test_speed_of_a_scalar_potential_is_that_of_the_joints(potential: str) -> None:
     task = task_of(replace(controller(configuration(3), speed=0.1), potential=potential))
     row, step = np.array([[0.03, 0.0, 0.04]]), np.array([-50.0])
     assert task.move(step, step, row)

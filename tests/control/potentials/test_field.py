@@ -58,7 +58,7 @@ def test_ways_from_anywhere_end_at_the_goal_and_keep_clear(
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_the_potential_is_between_0_and_1_and_falls_along_the_way(
+def test_potential_is_between_0_and_1_and_falls_along_the_way(
     name: str, rng: np.random.Generator
 ) -> None:
     scene, field = SCENES[name], FIELDS[name]
@@ -170,7 +170,7 @@ def test_warm_solutions_are_the_same_and_take_fewer_cycles(name: str) -> None:
     assert scene.field(before).cycles < 0.25 * before.cycles
 
 
-def test_a_field_suits_goals_nearby_only() -> None:
+def test_field_suits_goals_nearby_only() -> None:
     scene, field = SCENES["empty cube"], FIELDS["empty cube"]
     spacing = scene.grid.spacing
     assert field.suits(scene.goal)

@@ -22,7 +22,7 @@ def test_every_point_belongs_to_its_nearest_vertex(n: int, rng: np.random.Genera
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])
-def test_a_vertex_is_blocked_exactly_where_its_cell_touches_an_obstacle(
+def test_vertex_is_blocked_exactly_where_its_cell_touches_an_obstacle(
     n: int, rng: np.random.Generator
 ) -> None:
     grid = Grid.between(np.zeros(n), np.ones(n), 0.1)

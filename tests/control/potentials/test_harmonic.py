@@ -126,7 +126,7 @@ def test_two_joints_go_round_a_box_in_their_space() -> None:
     assert min(box.distance(q) for q in path) > 0.1
 
 
-def test_a_tip_goes_round_a_ball(rng: np.random.Generator) -> None:
+def test_tip_goes_round_a_ball(rng: np.random.Generator) -> None:
     chain = Chain.random(7, rng)
     start, q = chain.signal("position", np.zeros(7)).value, np.zeros(7)
     goal = chain.signal("position", rng.uniform(-0.4, 0.4, 7)).value
@@ -168,7 +168,7 @@ def test_field_is_solved_again_only_after_a_motion(solved: list[HarmonicField]) 
     assert counts == [1, 1, 1, 2, 3, 4]
 
 
-def test_a_goal_that_moves_is_followed_without_a_jump() -> None:
+def test_goal_that_moves_is_followed_without_a_jump() -> None:
     scene = SCENES["empty square"]
     law, point = potential(scene), scene.goal.copy()
     for tick in range(300):
@@ -195,7 +195,7 @@ def test_unsolved_field_has_no_potential() -> None:
     assert np.isnan(evaluate(law, Signal(np.zeros(2), np.eye(2)), np.ones(2)).phi)
 
 
-def test_the_way_out_of_an_obstacle_lowers_phi() -> None:
+def test_way_out_of_an_obstacle_lowers_phi() -> None:
     """Otherwise a motion that begins inside of one would count as being at rest."""
     goal, box = np.array([0.8, 0.8]), Obstacle("box", np.array([0.1, 0.1]), np.array([0.5, 0.5]))
     field = Harmonic(np.zeros(2), np.ones(2), 0.02, SCALE)
@@ -209,7 +209,7 @@ def test_the_way_out_of_an_obstacle_lowers_phi() -> None:
     assert phis[0] - phis[2] == pytest.approx(0.06 / 0.02)
 
 
-def test_the_way_out_leads_to_the_nearest_vertex_from_any_point() -> None:
+def test_way_out_leads_to_the_nearest_vertex_from_any_point() -> None:
     grid = Grid.between(np.zeros(3), np.array([1.0, 0.8, 0.6]), 0.05)
     obstacles = (Obstacle.sphere("ball", np.array([0.5, 0.4, 0.3]), 0.22),)
     goal = np.array([0.9, 0.7, 0.5])
@@ -242,7 +242,7 @@ def test_workspace_is_the_stated_one_or_the_joint_limits(bounded: bool) -> None:
     assert found.phi == pytest.approx(wanted.phi)
 
 
-def test_a_harmonic_potential_needs_a_field() -> None:
+def test_harmonic_potential_needs_a_field() -> None:
     with pytest.raises(ValueError, match="needs a field"):
         built(None, np.zeros(2), np.ones(2))
     far = Field(None, None, 0.05, SCALE, 0.0, ())

@@ -122,7 +122,7 @@ def test_elevations_would_miss_table_3_2_at_every_baseline() -> None:
     np.testing.assert_allclose(ratios(full, 0.35), [12.9, 3.0], rtol=0.01)
 
 
-def test_the_printed_jacobian_would_reward_distance() -> None:
+def test_printed_jacobian_would_reward_distance() -> None:
     """Printed is the derivative of the position by the headings, the inverse of ours."""
     cameras = ahead(0.35)
     depths = np.linspace(0.3, 1.5, 20)

@@ -42,7 +42,7 @@ def test_two_links_are_most_manipulable_at_a_right_angle(elbow: float) -> None:
     np.testing.assert_allclose(evaluation.jacobian, [[0.0, slope]], atol=1e-9)
 
 
-def test_the_shortest_displacement_is_the_negative_gradient(rng: np.random.Generator) -> None:
+def test_shortest_displacement_is_the_negative_gradient(rng: np.random.Generator) -> None:
     here = of(rng.normal(size=(3, 7)), rng.normal(size=(3, 7, 7)))
     displacement = np.linalg.pinv(here.jacobian) @ here.step
     np.testing.assert_allclose(displacement, -here.jacobian[0])

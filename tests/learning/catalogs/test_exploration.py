@@ -50,7 +50,7 @@ def explored(
     return chosen
 
 
-def test_a_reward_is_the_change_relative_to_the_largest_until_then_minus_the_cost() -> None:
+def test_reward_is_the_change_relative_to_the_largest_until_then_minus_the_cost() -> None:
     rng, exploration = np.random.default_rng(5), catalog()
     steps = [exploration.note(touched(rng)) for _ in range(12)]
     assert steps[0].reward == pytest.approx(1 - 0.05)
@@ -74,7 +74,7 @@ def test_habituated_exploration_chooses_noop(seed: int) -> None:
     assert (exploration.change_of("touch") or 0.0) < 0.25
 
 
-def test_an_exploration_is_not_over_before_each_action_was_tried() -> None:
+def test_exploration_is_not_over_before_each_action_was_tried() -> None:
     rng, exploration = np.random.default_rng(5), catalog(least=2)
     for _ in range(30):
         exploration.note(touched(rng, 0.001))
@@ -84,7 +84,7 @@ def test_an_exploration_is_not_over_before_each_action_was_tried() -> None:
     assert exploration.is_over
 
 
-def test_an_action_that_joins_is_attended_to() -> None:
+def test_action_that_joins_is_attended_to() -> None:
     exploration, both = catalog(), {"touch": 0.05, "inspect": 0.05}
     explored(exploration, 100, both)
     exploration.add({"inspect": PLACE})
@@ -98,7 +98,7 @@ def test_failed_action_is_left_out() -> None:
     assert "lift" not in explored(exploration, 50, {"touch": 0.05})
 
 
-def test_an_action_whose_features_were_undefined_counts_and_teaches_nothing() -> None:
+def test_action_whose_features_were_undefined_counts_and_teaches_nothing() -> None:
     rng, exploration = np.random.default_rng(5), catalog()
     exploration.note(touched(rng))
     before = exploration.affordances["touch"].model
@@ -191,7 +191,7 @@ def test_q_values_follow_the_update_rule() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_model_program_habituates(seed: int) -> None:
+def test_model_program_habituates(seed: int) -> None:
     chosen = explored(models(), 160, {"touch": 0.05, "lift": 0.05}, seed)
     assert chosen[-30:].count(NOOP) >= 20 > chosen[:15].count(NOOP)
 
@@ -279,7 +279,7 @@ def test_softmax_favours_by_the_ratio_of_exponentials() -> None:
     assert NOOP not in chosen
 
 
-def test_an_exploration_cools_down_with_each_step_to_a_least_temperature() -> None:
+def test_exploration_cools_down_with_each_step_to_a_least_temperature() -> None:
     exploration = catalog(temperature=0.4, decay=0.5, coldest=0.15)
     assert exploration.temperature == pytest.approx(0.4)
     exploration.note(ActionOutcome(NOOP))
@@ -288,7 +288,7 @@ def test_an_exploration_cools_down_with_each_step_to_a_least_temperature() -> No
     assert exploration.temperature == pytest.approx(0.15)
 
 
-def test_a_model_that_habituated_or_is_undefined_promises_nothing() -> None:
+def test_model_that_habituated_or_is_undefined_promises_nothing() -> None:
     exploration = models(promise=0.3)
     assert exploration.values == {NOOP: 0.0, "touch": 0.3, "lift": 0.3}
     exploration.note(ActionOutcome("lift", ahead={"touch": SEEN["touch"]}))

@@ -61,7 +61,7 @@ def test_names_without_information_give_no_question() -> None:
     assert share(grow_relations(mixed), 4) <= 0.6
 
 
-def test_a_profile_without_the_tests_asked_for_has_no_name() -> None:
+def test_profile_without_the_tests_asked_for_has_no_name() -> None:
     assert name_relation(grow_relations(known(1)), ImpedanceProfile(())) is None
     with pytest.raises(ValueError, match="whole profiles"):
         grow_relations([named(ImpedanceProfile(()), "spherical")])
@@ -75,7 +75,7 @@ def test_grow_relations_gives_thresholds_in_si_between_the_samples() -> None:
     assert 0.02 < question.threshold < 0.2
 
 
-def test_a_leaf_has_the_name_that_most_of_its_profiles_have() -> None:
+def test_leaf_has_the_name_that_most_of_its_profiles_have() -> None:
     rng = np.random.default_rng(5)
     names = ["spherical", "prismatic", "prismatic"]
     mixed = [named(felt("spherical", rng), name) for name in names]
@@ -95,7 +95,7 @@ def test_larger_impedances_leaves_out_directions_tested_in_one_sense() -> None:
 
 
 @pytest.mark.parametrize("seed", range(7, 12))
-def test_a_relation_that_more_pairs_show_counts_as_much_as_the_others(seed: int) -> None:
+def test_relation_that_more_pairs_show_counts_as_much_as_the_others(seed: int) -> None:
     alike = known(seed)
     often = [each for each in alike if each.relation == "spherical"]
     assert grow_relations(alike + 4 * often) == grow_relations(alike)

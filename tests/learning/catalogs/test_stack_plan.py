@@ -29,7 +29,7 @@ def support(pairs: Mapping[tuple[str, str], float]) -> Any:
 SUPPORT = support({("slab", "box"): 0.9, ("slab", "ball"): 0.95, ("box", "ball"): 0.8})
 
 
-def test_the_surest_path_is_planned_from_below() -> None:
+def test_surest_path_is_planned_from_below() -> None:
     plan = plan_stack(SUPPORT, 3)
     assert plan.order == ("slab", "box", "ball")
     assert plan.probability == pytest.approx(0.72)
@@ -96,7 +96,7 @@ def test_likeness_bound_excludes_one_in_a_thousand_own_samples() -> None:
             assert likeness == (pair, pytest.approx(share * bound))
 
 
-def test_a_pair_that_never_stayed_is_not_recognised() -> None:
+def test_pair_that_never_stayed_is_not_recognised() -> None:
     never = AffordanceModel.fresh(np.ones(1)).updated(np.zeros(1), rewarded=False)
     assert recognise({"never": never}, np.zeros(1)) == (None, np.inf)
 
@@ -146,7 +146,7 @@ def test_support_probability_follows_laplace_s_rule() -> None:
     assert set(support_graph(catalog(), ["cup", "ball"]).edges) == {("cup", "ball")}
 
 
-def test_a_stack_that_cannot_be_is_refused_with_all_that_is_there() -> None:
+def test_stack_that_cannot_be_is_refused_with_all_that_is_there() -> None:
     with pytest.raises(ValueError, match=r"no stack of 4 is known of ball, box, slab$"):
         plan_stack(SUPPORT, 4)
     with pytest.raises(ValueError, match=r"no stack of 2 is known of nothing$"):

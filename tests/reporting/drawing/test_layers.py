@@ -69,7 +69,7 @@ def test_routes_pass_rows_between_their_nodes(
                     assert abs(x - x1) >= size.width / 2
 
 
-def test_a_chain_is_straight_and_follows_its_arcs_downwards() -> None:
+def test_chain_is_straight_and_follows_its_arcs_downwards() -> None:
     sizes = dict.fromkeys(NODES, Size(40, 20))
     layout = laid_out(sizes, list(pairwise(NODES)))
     places = [layout.centers[node] for node in NODES]
@@ -77,7 +77,7 @@ def test_a_chain_is_straight_and_follows_its_arcs_downwards() -> None:
     assert [y for _, y in places] == [10 + 60 * row for row in range(len(NODES))]
 
 
-def test_a_tree_has_no_crossings() -> None:
+def test_tree_has_no_crossings() -> None:
     arcs = [("n0", "n1"), ("n0", "n2"), ("n1", "n5"), ("n2", "n3"), ("n1", "n6"), ("n2", "n4")]
     layout = laid_out(dict.fromkeys(NODES, Size(40, 20)), arcs)
     order = sorted(("n3", "n4", "n5", "n6"), key=lambda node: layout.centers[node][0])

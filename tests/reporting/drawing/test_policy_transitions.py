@@ -67,7 +67,7 @@ def test_graph_contains_the_targets_of_its_arcs(policy: PolicyDocument, above: f
     assert policy_transitions(policy, above, every=True).left_out == 0
 
 
-def test_a_written_policy_has_all_its_patterns() -> None:
+def test_written_policy_has_all_its_patterns() -> None:
     policy = PolicyDocument(
         cbdsl=1,
         kind="policy",

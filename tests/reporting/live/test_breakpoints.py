@@ -52,7 +52,7 @@ def test_breakpoints_list_steps_exits_and_those_of_used_programs(checked: Checke
 
 
 @pytest.mark.parametrize("place", [STEP, EXIT, "searchtrack.search ◁ track"])
-def test_a_run_meets_a_breakpoint_where_its_transitions_lead(place: str, watched: Watched) -> None:
+def test_run_meets_a_breakpoint_where_its_transitions_lead(place: str, watched: Watched) -> None:
     breakpoints = Breakpoints()
     view = Met(breakpoints)
     watched(view, each=lambda _: breakpoints.choose([place]) if not view.met else None)
@@ -61,7 +61,7 @@ def test_a_run_meets_a_breakpoint_where_its_transitions_lead(place: str, watched
     assert {time for time, _ in view.met} <= changes
 
 
-def test_the_next_change_pauses_once(watched: Watched) -> None:
+def test_next_change_pauses_once(watched: Watched) -> None:
     breakpoints = Breakpoints()
     view = Met(breakpoints)
     breakpoints.wait_for_change()
@@ -69,7 +69,7 @@ def test_the_next_change_pauses_once(watched: Watched) -> None:
     assert len(view.met) == 1
 
 
-def test_a_place_that_an_edit_removes_stays_chosen(checked: Checked) -> None:
+def test_place_that_an_edit_removes_stays_chosen(checked: Checked) -> None:
     breakpoints = Breakpoints()
     breakpoints.follow(checked("reachtouch"))
     breakpoints.choose([EXIT])
@@ -108,7 +108,7 @@ def paused(watched: Watched, checked: Checked) -> Iterator[PausedRun]:
     made.thread.join()
 
 
-def test_a_run_pauses_at_a_breakpoint_and_returns_to_an_earlier_time(paused: PausedRun) -> None:
+def test_run_pauses_at_a_breakpoint_and_returns_to_an_earlier_time(paused: PausedRun) -> None:
     until(lambda: paused.transport.paused)
     assert paused.view._breakpoints.met == EXIT
     now = paused.transport.now
@@ -121,6 +121,6 @@ def test_a_run_pauses_at_a_breakpoint_and_returns_to_an_earlier_time(paused: Pau
 
 
 @pytest.mark.parametrize("name", ["pause", "break", "back"])
-def test_a_refused_request_gives_its_reason(name: str) -> None:
+def test_refused_request_gives_its_reason(name: str) -> None:
     with pytest.raises(RequestError, match=f"{name}: the robot is driven"):
         Requests(Transport(), refused={name: "the robot is driven"})({"do": name})

@@ -28,7 +28,7 @@ def made(file: Path, changes: Changes, values: dict[str, str] | None = None) -> 
     return composed_program(file, "table_right", values or {}, changes, "mine")
 
 
-def test_a_stack_is_the_only_action_of_its_document(file: Path) -> None:
+def test_stack_is_the_only_action_of_its_document(file: Path) -> None:
     changes = Changes({"approach": 5.0}, {"approach": (0.5, -0.2, 0.1)}, ("approach", "orient"))
     composed = made(file, changes, LEFT)
     assert composed.diagnostics == () and composed.left_out == ()

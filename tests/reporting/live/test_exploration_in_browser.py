@@ -45,7 +45,7 @@ def view(dexter: RobotDocument, urdf: Path) -> Iterator[tuple[ExplorationView, s
     server.close()
 
 
-def test_the_catalog_grows_on_the_page(view: tuple[ExplorationView, str], watched: Watched) -> None:
+def test_catalog_grows_on_the_page(view: tuple[ExplorationView, str], watched: Watched) -> None:
     shown, url = view
     explored = exploration()
     shown.note_choice("reach")

@@ -80,7 +80,7 @@ def test_probability_uses_the_current_features(feed: Feed, view: ExplorationView
     assert unseen["probability"] == pytest.approx((3 + 1) / (6 + 2))
 
 
-def test_the_catalog_stays_from_one_episode_to_the_next(
+def test_catalog_stays_from_one_episode_to_the_next(
     feed: Feed, view: ExplorationView, watched: Watched
 ) -> None:
     explore(view, reached(0.5))
@@ -94,7 +94,7 @@ def test_the_catalog_stays_from_one_episode_to_the_next(
     assert content["chosen"] == "lift" and content["affordances"][0]["rewarded"] == 1
 
 
-def test_an_action_that_comes_later_has_no_course_before(feed: Feed, view: ExplorationView) -> None:
+def test_action_that_comes_later_has_no_course_before(feed: Feed, view: ExplorationView) -> None:
     explored = explore(view, reached(0.5))
     explored.add({"inspect": PLACE})
     explored.note(ActionOutcome("inspect", failed=True, ending="the hand is gone"))

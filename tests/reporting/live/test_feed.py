@@ -20,7 +20,7 @@ def contents(cursor: PageCursor) -> list[object]:
     return [json.loads(each.split("data: ", 1)[1]) for each in events]
 
 
-def test_a_page_that_comes_late_gets_the_episode_from_its_beginning() -> None:
+def test_page_that_comes_late_gets_the_episode_from_its_beginning() -> None:
     feed = Feed()
     feed.begin(message("episode", 1))
     feed.append(message("transition", 2))
@@ -31,7 +31,7 @@ def test_a_page_that_comes_late_gets_the_episode_from_its_beginning() -> None:
         assert contents(cursor) == []
 
 
-def test_a_slow_page_gets_only_the_newest_frame_and_every_transition() -> None:
+def test_slow_page_gets_only_the_newest_frame_and_every_transition() -> None:
     feed = Feed()
     feed.begin(message("episode", "first"))
     with feed.page() as cursor:
@@ -42,7 +42,7 @@ def test_a_slow_page_gets_only_the_newest_frame_and_every_transition() -> None:
         assert contents(cursor) == [*(-n for n in range(100)), 99]
 
 
-def test_a_new_episode_leaves_nothing_of_the_one_before() -> None:
+def test_new_episode_leaves_nothing_of_the_one_before() -> None:
     feed = Feed()
     feed.begin(message("episode", 1))
     with feed.page() as cursor:
@@ -67,7 +67,7 @@ def test_messages_are_packed_when_a_page_needs_them_and_once() -> None:
     assert made == [9]
 
 
-def test_a_page_waits_until_there_is_something() -> None:
+def test_page_waits_until_there_is_something() -> None:
     feed = Feed()
     with feed.page() as cursor:
         assert kinds(cursor) == []

@@ -127,7 +127,7 @@ def test_live_page_follows_a_run_from_pause_to_end(
     assert shown.text("problem") == ""
 
 
-def test_the_stack_is_in_the_order_of_priority(run: Run, shown: Page) -> None:
+def test_stack_is_in_the_order_of_priority(run: Run, shown: Page) -> None:
     run.step(60, shown)
     shown.wait(f"{LEVELS}.includes('approach')")
     names = shown.value(LEVELS)
@@ -139,7 +139,7 @@ def test_when_the_server_ends_the_page_says_so(run: Run, shown: Page) -> None:
     shown.wait("document.getElementById('link').textContent.includes('over')")
 
 
-def test_a_stack_is_composed_a_target_dragged_and_both_saved(run: Run, shown: Page) -> None:
+def test_stack_is_composed_a_target_dragged_and_both_saved(run: Run, shown: Page) -> None:
     run.step(160, shown)
     shown.wait(f"{LEVELS}.includes('approach')")
     shown.click("#take-over")

@@ -34,7 +34,7 @@ def view(feed: Feed) -> LiveView:
     return LiveView(feed, Transport(math.inf), Shown)
 
 
-def test_an_observer_receives_all_of_an_episode(
+def test_observer_receives_all_of_an_episode(
     feed: Feed, view: LiveView, watched: Watched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_PAUSE", 0.0)
@@ -112,7 +112,7 @@ def test_frames_are_no_denser_than_eyes_need(feed: Feed, watched: Watched) -> No
     assert result.ticks / 5 < len(numbers) < result.ticks / 3
 
 
-def test_a_page_lists_the_episodes_before(feed: Feed, view: LiveView, watched: Watched) -> None:
+def test_page_lists_the_episodes_before(feed: Feed, view: LiveView, watched: Watched) -> None:
     first = watched(view, seed=21)
     watched(view, seed=22)
     with feed.page() as cursor:

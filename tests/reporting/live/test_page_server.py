@@ -81,7 +81,7 @@ def events(answer: HTTPResponse) -> Iterator[tuple[str, Any]]:
             answer.readline()
 
 
-def test_the_page_has_an_unguessable_token(served: Served) -> None:
+def test_page_has_an_unguessable_token(served: Served) -> None:
     answer = served.ask("GET", "/")
     assert (answer.status, answer.headers["Cache-Control"]) == (200, "no-store")
     assert answer.headers["X-Frame-Options"] == "DENY"
@@ -225,14 +225,14 @@ def test_two_pages_receive_the_same_messages(served: Served) -> None:
     assert [next(each) for each in streams] == [("transition", {"state": "◁"})] * 2
 
 
-def test_a_page_too_many_is_refused(served: Served) -> None:
+def test_page_too_many_is_refused(served: Served) -> None:
     served.feed.begin(message("episode", {}))
     open_ = [served.ask("GET", "/events") for _ in range(3)]
     assert served.ask("GET", "/events").status == 503
     assert all(each.status == 200 for each in open_)
 
 
-def test_a_client_that_reads_nothing_does_not_delay_others(served: Served) -> None:
+def test_client_that_reads_nothing_does_not_delay_others(served: Served) -> None:
     served.feed.begin(message("episode", {}))
     idle = socket.create_connection(("127.0.0.1", served.port))
     idle.sendall(f"GET /{served.key}/events HTTP/1.0\r\nHost: {served.host}\r\n\r\n".encode())
@@ -271,7 +271,7 @@ def test_closing_reports_pages_and_gives_the_port_back() -> None:
     idle.close()
 
 
-def test_a_taken_port_names_a_free_one(served: Served) -> None:
+def test_taken_port_names_a_free_one(served: Served) -> None:
     with pytest.raises(UsageError, match=f"--live-port {served.port}: another program") as caught:
         LiveServer(Feed(), lambda token: "", Requests(Transport()), served.port)
     free = int(re.search(r"; (\d+) is free", str(caught.value))[1])  # type: ignore[index]

@@ -66,7 +66,7 @@ def test_simulated_time_does_not_run_ahead_of_the_wall(speed: float) -> None:
         assert time.perf_counter() - began >= 0.05 * tick / speed
 
 
-def test_a_world_that_fell_behind_does_not_hurry() -> None:
+def test_world_that_fell_behind_does_not_hurry() -> None:
     now = [0.0]
     transport = Transport(1.0, lambda: now[0])
     transport.hold(0.0, lambda: None)
@@ -126,7 +126,7 @@ def test_requests_are_done_between_ticks_by_the_thread_of_the_ticks() -> None:
     assert asked == [0]
 
 
-def test_a_request_that_no_tick_answers_is_never_done(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_request_that_no_tick_answers_is_never_done(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_PATIENCE", 0.01)
     transport, done = Transport(math.inf), Event()
     with pytest.raises(IdleError):
@@ -136,7 +136,7 @@ def test_a_request_that_no_tick_answers_is_never_done(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("error", [None, TimeoutError("of its own"), ValueError("of its own")])
-def test_a_request_that_a_tick_has_begun_is_answered_when_it_is_done(
+def test_request_that_a_tick_has_begun_is_answered_when_it_is_done(
     error: Exception | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Take longer for a request than a request without a tick may wait."""
@@ -172,7 +172,7 @@ def test_a_request_that_a_tick_has_begun_is_answered_when_it_is_done(
     assert answers == ["done" if error is None else error]
 
 
-def test_a_released_run_cannot_be_paused() -> None:
+def test_released_run_cannot_be_paused() -> None:
     transport = Transport(math.inf)
     transport.release()
     transport.pause()
@@ -180,7 +180,7 @@ def test_a_released_run_cannot_be_paused() -> None:
     assert not transport.paused
 
 
-def test_a_return_passes_at_maximum_speed_and_pauses_at_its_time() -> None:
+def test_return_passes_at_maximum_speed_and_pauses_at_its_time() -> None:
     transport = Transport(1.0)
     transport.run_to(0.5)
     with running(transport) as world:

@@ -66,14 +66,14 @@ def test_fine_mesh_becomes_small_and_keeps_its_shape() -> None:
     assert area(small) == pytest.approx(4 * np.pi, rel=0.06)
 
 
-def test_a_coarse_mesh_keeps_every_triangle() -> None:
+def test_coarse_mesh_keeps_every_triangle() -> None:
     box = from_soup(primitives.box()[..., :3])
     small = simplified(box)
     assert len(small.triangles) == 12 and len(small.corners) == 8
     assert area(small) == pytest.approx(24.0)
 
 
-def test_a_mesh_is_read_with_its_scale(tmp_path: Path) -> None:
+def test_mesh_is_read_with_its_scale(tmp_path: Path) -> None:
     file = tmp_path / "tile.obj"
     file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
     mesh = read_simplified(file, (2.0, 3.0, 1.0))
@@ -99,6 +99,6 @@ def test_mesh_files_are_found_by_every_kind_of_path(name: str, tmp_path: Path) -
     assert find_mesh(name.format(file), folder) == file
 
 
-def test_a_package_that_is_not_above_is_not_found(tmp_path: Path) -> None:
+def test_package_that_is_not_above_is_not_found(tmp_path: Path) -> None:
     assert find_mesh("package://arm/a.stl", tmp_path) is None
     assert find_mesh("package://arm", tmp_path) is None

@@ -17,7 +17,7 @@ _INWARD = "f 2 3 1\nf 4 2 1\nf 3 4 1\nf 4 3 2\n"
 
 
 @pytest.mark.parametrize("faces", [_OUTWARD, _INWARD])
-def test_a_mesh_is_in_the_middle_and_turned_outwards(tmp_path: Path, faces: str) -> None:
+def test_mesh_is_in_the_middle_and_turned_outwards(tmp_path: Path, faces: str) -> None:
     file = tmp_path / "corner.obj"
     file.write_text(_CORNERS + faces)
     mesh, halves = read_thing_mesh(file, 0.01)
@@ -27,7 +27,7 @@ def test_a_mesh_is_in_the_middle_and_turned_outwards(tmp_path: Path, faces: str)
     assert np.sum(a * np.cross(b, c)) / 6 == pytest.approx(8e-6), "its volume, by outward faces"
 
 
-def test_a_mesh_that_has_changed_is_read_again(tmp_path: Path) -> None:
+def test_mesh_that_has_changed_is_read_again(tmp_path: Path) -> None:
     file = tmp_path / "corner.obj"
     file.write_text(_CORNERS + _OUTWARD)
     before = read_thing_mesh(file, 0.01).halves
@@ -36,6 +36,6 @@ def test_a_mesh_that_has_changed_is_read_again(tmp_path: Path) -> None:
     assert read_thing_mesh(file, 0.01).halves == pytest.approx((2 * before[0], *before[1:]))
 
 
-def test_a_missing_mesh_is_reported(tmp_path: Path) -> None:
+def test_missing_mesh_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no such mesh"):
         read_thing_mesh(tmp_path / "nothing.obj", 1.0)

@@ -118,7 +118,7 @@ def test_standoff_grows_with_the_seen_radius_between_its_bounds(
 
 
 @pytest.mark.parametrize("lateral", [0.0, 0.01, 0.03, 0.3])
-def test_a_funnel_leads_to_its_reference_from_above(
+def test_funnel_leads_to_its_reference_from_above(
     reachtouch: CheckedProgram, signals: Signals, start: Start, lateral: float
 ) -> None:
     """Beside the reference it goes up, the more the farther; over it straight down."""
@@ -141,7 +141,7 @@ def test_a_funnel_leads_to_its_reference_from_above(
     assert run.error == pytest.approx(math.hypot(lateral, 0.05))
 
 
-def test_a_sample_is_kept_until_it_was_reached(
+def test_sample_is_kept_until_it_was_reached(
     checked: Checked, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
     started = start(checked("searchtrack").primitives["search"].lead)
@@ -184,7 +184,7 @@ def test_samples_lie_within_the_joint_limits_and_differ(
     assert len(set(errors)) == 3
 
 
-def test_a_literal_orientation_is_a_rotation_vector(
+def test_literal_orientation_is_a_rotation_vector(
     reachtouch: CheckedProgram, signals: Signals, start: Start
 ) -> None:
     """Turn the palm down; its error is the angle of its normal."""
@@ -196,7 +196,7 @@ def test_a_literal_orientation_is_a_rotation_vector(
     assert run.error == pytest.approx(math.acos(np.clip(-normal[2], -1, 1)), abs=1e-6)
 
 
-def test_a_literal_pose_is_a_position_and_a_rotation_vector(
+def test_literal_pose_is_a_position_and_a_rotation_vector(
     dexter: RobotDocument, reachtouch: CheckedProgram, signals: Signals, start: Start
 ) -> None:
     pose = resources(dexter)["right_arm.pose"]
@@ -412,7 +412,7 @@ def test_reappeared_object_is_approached_from_rest(
     assert rates[0] == rates[31] == pytest.approx(step)
 
 
-def test_an_undefined_value_is_reported_with_the_resource_and_the_reason(
+def test_undefined_value_is_reported_with_the_resource_and_the_reason(
     checked: Checked, dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
 ) -> None:
     program = checked("visualinspect")

@@ -53,7 +53,7 @@ def retried(choose: Choose, state: str) -> Choice:
     return choose(state, True)
 
 
-def test_a_state_has_one_letter_for_each_abstract_action(schema: CheckedProgram) -> None:
+def test_state_has_one_letter_for_each_abstract_action(schema: CheckedProgram) -> None:
     assert schema.members == ("searchtrack", "reach", "touch")
     allocated = {action.name: action for action in schema.actions}
     assert len(allocated) == 1 + 3 * 4
@@ -65,7 +65,7 @@ def test_a_state_has_one_letter_for_each_abstract_action(schema: CheckedProgram)
     assert moved == {"left_arm.position", "left_hand"}
 
 
-def test_the_tree_chooses_and_progress_keeps_the_choice(schema: CheckedProgram) -> None:
+def test_tree_chooses_and_progress_keeps_the_choice(schema: CheckedProgram) -> None:
     features = dict(NEAR_LEFT)
     choose = begun(schema, features)
     assert choose("1XX", True).allocation == "left_arm"
@@ -148,7 +148,7 @@ def test_features_are_looked_for_in_order_with_the_grasped_object_last() -> None
     assert program.looks["goal_place"].values == {"feature": "green"}
 
 
-def test_an_untried_context_is_tried_and_named(schema: CheckedProgram) -> None:
+def test_untried_context_is_tried_and_named(schema: CheckedProgram) -> None:
     assert schema.schema is not None
     known = schema.schema._replace(tried={"place.x": (0.3, 1.2)})
     choose = begun(schema._replace(schema=known), FAR_LEFT)

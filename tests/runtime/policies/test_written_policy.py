@@ -10,7 +10,7 @@ from cbdsl.runtime.policies.policy import Choice, WrittenPolicy
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_the_most_specific_pattern_wins_in_any_order(turned: bool) -> None:
+def test_most_specific_pattern_wins_in_any_order(turned: bool) -> None:
     table = {"**": "any", "X*": "first", "X1": "both"}
     items = list(table.items())
     policy = WrittenPolicy(dict(reversed(items) if turned else items))

@@ -15,7 +15,7 @@ def mixture(rows: SignalRows, *sources: int) -> int:
     return rows.bind(Form(MIXTURE, 3, 3, parts), sources)
 
 
-def test_a_row_is_bound_once_for_a_key_until_it_is_released() -> None:
+def test_row_is_bound_once_for_a_key_until_it_is_released() -> None:
     rows, made = SignalRows(2), list[int]()
 
     def bind() -> int:

@@ -123,7 +123,7 @@ def test_weight_and_bias_turn_with_their_cells(
             assert not loads.any()
 
 
-def test_a_bias_is_followed_with_its_time_constant(
+def test_bias_is_followed_with_its_time_constant(
     dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
     zeros = zeros_of(dexter, kinematics, threshold=1.0, zero_tracking=2.0)

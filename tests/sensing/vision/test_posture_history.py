@@ -7,7 +7,7 @@ import numpy as np
 from cbdsl.sensing.vision.vision import PostureHistory
 
 
-def test_the_posture_is_that_of_the_tick_of_the_exposure() -> None:
+def test_posture_is_that_of_the_tick_of_the_exposure() -> None:
     history = PostureHistory()
     for tick in range(20):
         history.note(tick / 60, np.array([float(tick)]))

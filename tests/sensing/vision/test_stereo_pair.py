@@ -48,7 +48,7 @@ def read(
 
 
 @pytest.mark.parametrize("place", PLACES, ids=str)
-def test_a_named_pair_reads_as_without_the_other_camera(
+def test_named_pair_reads_as_without_the_other_camera(
     dexter: RobotDocument, urdf: Path, place: np.ndarray
 ) -> None:
     alone = read(dexter, urdf, place, PAIR)

@@ -176,7 +176,7 @@ def test_object_in_a_closed_hand_is_forgotten_without_contact(
     assert (position(signals, "red") is not None) == is_there
 
 
-def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
+def test_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
     backend: SyntheticBackend, signals: Signals
 ) -> None:
     signals.update(backend.observe())

@@ -201,7 +201,7 @@ def test_learn_with_workers_imports_nothing_from_the_current_folder(tmp_path: Pa
 
 @pytest.mark.slow
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_while_workers_begin_is_one_line(sent: signal.Signals, tmp_path: Path) -> None:
+def test_interrupt_while_workers_begin_is_one_line(sent: signal.Signals, tmp_path: Path) -> None:
     with command(tmp_path) as process:
         until(lambda: process.poll() is not None or workers(process) >= 2)
         if sent == signal.SIGINT:  # as a terminal does

@@ -13,7 +13,7 @@ from cbdsl.yaml_text.repair.invalid_value import named_instead, text_problem
 @pytest.mark.parametrize(
     "text", ["cup.yaml", "things/cup.yml", "cup#red", "cup//red", "a cup", "cup-1", "cup,"]
 )
-def test_an_invalid_name_is_reported_with_a_valid_one(text: str) -> None:
+def test_invalid_name_is_reported_with_a_valid_one(text: str) -> None:
     proposed = re.search(r"write (\S+)", named_instead(text))
     assert proposed is not None
     assert re.match(NAME_PATTERN, proposed[1]) and proposed[1].startswith(("cup", "a_cup"))
@@ -26,7 +26,7 @@ def test_invalid_name_without_letters_has_no_proposal(text: str) -> None:
 
 @pytest.mark.parametrize("value", ["{link: palm}", "[a, b]", "*other"])
 @pytest.mark.parametrize(("colon", "missing"), [(":", "a space"), ("", "a ':'"), (" ", "a ':'")])
-def test_a_key_with_its_value_is_no_text(value: str, colon: str, missing: str) -> None:
+def test_key_with_its_value_is_no_text(value: str, colon: str, missing: str) -> None:
     slip = text_problem(f"tip{colon}{value}")
     assert slip is not None and slip.startswith(missing) and slip.endswith("'tip'")
 

@@ -71,7 +71,7 @@ POSSIBLE = [
 
 
 @pytest.mark.parametrize("keep", [True, False], ids=["indented_too_little", "key_left_out"])
-def test_a_flat_section_is_one_finding_and_is_read(keep: bool) -> None:
+def test_flat_section_is_one_finding_and_is_read(keep: bool) -> None:
     for file, path in POSSIBLE[:: len(POSSIBLE) // 25]:
         if path[-1] == "standoff" and not keep:
             continue

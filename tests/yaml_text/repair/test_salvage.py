@@ -96,7 +96,7 @@ few = settings(max_examples=settings().max_examples // 4)
 
 @few
 @given(st.sampled_from(PLACES))
-def test_a_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> None:
+def test_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> None:
     file, path = place
     (diagnostic,) = found(file, (spoil, path))
     assert diagnostic.code in ("CB202", "CB203", "CB204", "CB205", "CB206", "CB208")
@@ -104,21 +104,21 @@ def test_a_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> 
 
 @few
 @given(st.sampled_from([place for place in PLACES if isinstance(place[1][-1], str)]))
-def test_a_misspelt_key_is_one_cause(place: tuple[Path, Steps]) -> None:
+def test_misspelt_key_is_one_cause(place: tuple[Path, Steps]) -> None:
     file, path = place
     assert len(causes(found(file, (rename, path)))) <= 1
 
 
 @few
 @given(st.sampled_from([place for place in TEXTS if place[1][0] != "parameters"]))
-def test_a_misspelt_text_is_one_cause(place: tuple[Path, Steps]) -> None:
+def test_misspelt_text_is_one_cause(place: tuple[Path, Steps]) -> None:
     file, path = place
     assert len(causes(found(file, (misspell, path)))) <= 1
 
 
 @few
 @given(st.data())
-def test_a_faulty_part_hides_nothing_in_another(data: st.DataObject) -> None:
+def test_faulty_part_hides_nothing_in_another(data: st.DataObject) -> None:
     bound = [p for p in TEXTS if p[1][0] in SEVERAL]
     file, text = data.draw(st.sampled_from(bound))
     others = [

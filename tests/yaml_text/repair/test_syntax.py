@@ -51,7 +51,7 @@ def found(path: Path, number: int, line: str) -> list[Diagnostic]:
 
 
 @given(st.sampled_from(KEYS))
-def test_a_missing_colon_is_reported_on_its_line(key: tuple[Path, int, int]) -> None:
+def test_missing_colon_is_reported_on_its_line(key: tuple[Path, int, int]) -> None:
     path, number, end = key
     line = LINES[path][number]
     (diagnostic,) = found(path, number, line[:end] + line[end + 1 :])
@@ -60,7 +60,7 @@ def test_a_missing_colon_is_reported_on_its_line(key: tuple[Path, int, int]) -> 
 
 
 @given(st.sampled_from(WITH_VALUES))
-def test_a_missing_space_is_reported_on_its_line(key: tuple[Path, int, int]) -> None:
+def test_missing_space_is_reported_on_its_line(key: tuple[Path, int, int]) -> None:
     path, number, end = key
     line = LINES[path][number]
     (diagnostic,) = found(path, number, line[: end + 1] + line[end + 2 :])
@@ -181,7 +181,7 @@ def test_corrected_syntax_hides_no_other_diagnostic() -> None:
 
 @pytest.mark.parametrize("ours", ["b: 1\n", ""])
 @pytest.mark.parametrize("theirs", ["b: 2\n", ""])
-def test_a_merge_conflict_is_one_finding(ours: str, theirs: str) -> None:
+def test_merge_conflict_is_one_finding(ours: str, theirs: str) -> None:
     conflict = f"<<<<<<< a\n{ours}=======\n{theirs}>>>>>>> b\n"
     composed = mend(f"a: 1\n{conflict}c: yes\n", "a.yaml")
     assert [d.code for d in composed.diagnostics] == ["CB122", "CB114"]

@@ -23,7 +23,7 @@ def sighting(area: int = 314, scale: float = 1.0) -> Sighting:
 
 @pytest.mark.parametrize("ahead", [1e-3, 0.7, 5.0])
 @pytest.mark.parametrize("aside", [0.0, 0.04, -0.5])
-def test_the_distance_is_that_across_the_line(ahead: float, aside: float) -> None:
+def test_distance_is_that_across_the_line(ahead: float, aside: float) -> None:
     point = ORIGIN + ahead * ALONG + aside * ASIDE
     assert sighting().distance(point) == pytest.approx(abs(aside), abs=1e-7)
 
@@ -33,7 +33,7 @@ def test_point_behind_or_beside_the_camera_has_infinite_distance() -> None:
     assert sighting().distance(ORIGIN) == math.inf
 
 
-def test_a_ball_twice_as_far_is_twice_as_large() -> None:
+def test_ball_twice_as_far_is_twice_as_large() -> None:
     """Discs of 314 px have a radius of 10 px, which is 1 m at 20 m and with 200 px for 1 m."""
     near = sighting().radius(ORIGIN + 20.0 * ALONG / 3.0)
     assert near == pytest.approx(math.sqrt(314 / math.pi) / 10)

@@ -23,7 +23,7 @@ def test_lines_of_sight_to_a_point_cross_there(seed: int) -> None:
     assert crossing.gap == pytest.approx(0, abs=1e-9)
 
 
-def test_the_gap_is_the_distance_between_skew_lines() -> None:
+def test_gap_is_the_distance_between_skew_lines() -> None:
     left = Ray(np.zeros(3), np.array([1.0, 0, 0]))
     right = Ray(np.array([1.0, -1.0, 0.03]), np.array([0, 1.0, 0]))
     crossing = triangulate(left, right)
@@ -40,7 +40,7 @@ def test_parallel_and_backward_lines_do_not_cross() -> None:
     assert triangulate(ray(left, behind), Ray(right, (right - behind) / 1.1)) is None
 
 
-def test_a_direction_of_any_length_is_as_good_as_a_unit_vector() -> None:
+def test_direction_of_any_length_is_as_good_as_a_unit_vector() -> None:
     eye, other, point = (
         np.array([0, 0.15, 0.0]),
         np.array([0, -0.15, 0.0]),

@@ -54,7 +54,7 @@ def motions(signals: Signals, arms: Sequence[str]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("arms", [(ARM,), HANDS])
-def test_the_jacobian_is_the_derivative_of_where_a_thing_is_carried(
+def test_jacobian_is_the_derivative_of_where_a_thing_is_carried(
     signals: Signals, kinematics: Kinematics, arms: Sequence[str]
 ) -> None:
     rng = np.random.default_rng(3)

@@ -316,7 +316,7 @@ def test_instance_is_discovered_only_without_an_occluding_hand(
     assert scene.places() == {0: near(LEFT), 1: near(RIGHT)}
 
 
-def test_a_thing_that_is_moved_keeps_its_number(scene: Scene) -> None:
+def test_thing_that_is_moved_keeps_its_number(scene: Scene) -> None:
     scene.show((LEFT, 0.05), (RIGHT, 0.06))
     scene.look()
     truth = scene.backend.truth

@@ -20,14 +20,14 @@ def memory() -> PositionMemory:
     return PositionMemory(Regions())
 
 
-def test_a_sighting_defines_position_and_radius(memory: PositionMemory) -> None:
+def test_sighting_defines_position_and_radius(memory: PositionMemory) -> None:
     assert memory.position is None
     assert memory.see(0.0, WHERE, [np.pi * 0.07**2] * 2)
     assert memory.position == pytest.approx(WHERE)
     assert memory.radius == pytest.approx(0.07)
 
 
-def test_a_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
+def test_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
     memory.see(0.0, WHERE, WHOLE)
     assert not memory.see(FRAME, WHERE + 0.05, (0.02, 0.015))
     assert memory.position == pytest.approx(WHERE)
@@ -129,7 +129,7 @@ def test_explained_loss_is_remembered_and_an_unexplained_one_forgotten(
     assert memory.position is None
 
 
-def test_the_size_outlives_a_loss_until_it_is_forgotten(memory: PositionMemory) -> None:
+def test_size_outlives_a_loss_until_it_is_forgotten(memory: PositionMemory) -> None:
     memory.see(0.0, WHERE, WHOLE)
     memory.miss(9.0, explained=False)
     assert not memory.see(9.1, WHERE, HALF)
@@ -137,7 +137,7 @@ def test_the_size_outlives_a_loss_until_it_is_forgotten(memory: PositionMemory) 
     assert memory.see(9.2, WHERE, HALF)
 
 
-def test_a_steady_motion_is_predicted_while_hidden_and_stops_at_contact(
+def test_steady_motion_is_predicted_while_hidden_and_stops_at_contact(
     memory: PositionMemory,
 ) -> None:
     velocity = np.array([0.0, 0.05, 0.0])
@@ -156,7 +156,7 @@ def test_a_steady_motion_is_predicted_while_hidden_and_stops_at_contact(
     assert memory.position is held
 
 
-def test_a_still_thing_does_not_creep_from_noise(memory: PositionMemory) -> None:
+def test_still_thing_does_not_creep_from_noise(memory: PositionMemory) -> None:
     rng = np.random.default_rng(7)
     for frame in range(300):
         memory.predict(FRAME, frame * FRAME)
@@ -253,7 +253,7 @@ def test_displacements_count_from_the_tick_of_the_image_on(memory: PositionMemor
     assert memory.moved_since(0.0) == pytest.approx(np.zeros(3)), "older ones are gone by then"
 
 
-def test_a_prediction_begins_with_its_tick(memory: PositionMemory) -> None:
+def test_prediction_begins_with_its_tick(memory: PositionMemory) -> None:
     last = steady(memory, np.array([0.15, 0.0, 0.0]), 3)
     memory.predict(FRAME, last + FRAME)
     step = memory.moved_since(last - FRAME / 2)

@@ -16,7 +16,7 @@ from cbdsl.sensing.vision.regions.camera import (
 CAMERA = Camera(link="eye", width=320, height=240, focal_length=400)
 
 
-def test_the_middle_of_the_image_is_straight_ahead() -> None:
+def test_middle_of_the_image_is_straight_ahead() -> None:
     assert heading(sight(CAMERA, 160, 120)) == pytest.approx([0, 0])
 
 
@@ -42,7 +42,7 @@ def test_heading_jacobian_by_finite_differences(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_a_ball_is_within_view_if_its_image_is(seed: int) -> None:
+def test_ball_is_within_view_if_its_image_is(seed: int) -> None:
     rng = np.random.default_rng(seed)
     column, row, distance = *rng.uniform(0, (320, 240)), rng.uniform(0.3, 2)
     radius = distance * rng.uniform(0.01, 0.2)
@@ -52,7 +52,7 @@ def test_a_ball_is_within_view_if_its_image_is(seed: int) -> None:
     assert not within_view(CAMERA, -distance * sight(CAMERA, column, row), radius)
 
 
-def test_a_small_patch_off_axis_is_enlarged() -> None:
+def test_small_patch_off_axis_is_enlarged() -> None:
     # A small cone around any direction covers the same solid angle; its image does not.
     def image_area(column: float, row: float) -> float:
         centre = sight(CAMERA, column, row)

@@ -67,7 +67,7 @@ def edge(x: float, y: float, angle: float, height: float = HEIGHT) -> NDArray[np
     angle=st.floats(-3, 3),
     height=st.floats(-0.6, -0.2),
 )
-def test_an_edge_gives_its_height_or_none(
+def test_edge_gives_its_height_or_none(
     pan: float, tilt: float, angle: float, height: float
 ) -> None:
     found = find_height(*views(pan, tilt, edge(0.75, 0.75 * np.tan(pan), angle, height)))
@@ -98,7 +98,7 @@ def test_surface_without_an_outline_keeps_its_height() -> None:
     assert sampler.draw() is None
 
 
-def test_the_extent_of_a_region_leaves_out_the_images_border() -> None:
+def test_extent_of_a_region_leaves_out_the_images_border() -> None:
     mask = np.zeros((240, 320), np.uint8)
     mask[100:, :200] = 255
     (region,) = connected_regions(mask, 12)
@@ -110,7 +110,7 @@ def test_the_extent_of_a_region_leaves_out_the_images_border() -> None:
     assert len(cover) > 50 and (cover[:, 0] < 192).all() and (cover[:, 1] > 108).all()
 
 
-def test_a_whole_or_a_small_region_has_no_extent() -> None:
+def test_whole_or_a_small_region_has_no_extent() -> None:
     mask = np.zeros((240, 320), np.uint8)
     mask[10:200, 10:200] = 255
     mask[:30, 300:] = 255

@@ -60,5 +60,5 @@ def test_orientation_is_equal_after_half_a_turn(angle: float) -> None:
     assert one == pytest.approx(other)
 
 
-def test_a_round_blob_has_no_orientation() -> None:
+def test_round_blob_has_no_orientation() -> None:
     assert blob_of(CAMERA, ellipse(10, 9.5, 0.3, 160, 120)).orientation is None

@@ -53,7 +53,7 @@ def watcher(
     made.backend.close()
 
 
-def test_a_moving_thing_has_its_velocity_in_space_and_in_the_image(
+def test_moving_thing_has_its_velocity_in_space_and_in_the_image(
     watcher: Watcher, stage: StageNamed
 ) -> None:
     moved = watcher.look(stage("moving_right"), 1, 0.8)

@@ -32,7 +32,7 @@ def test_constellation_holds_relative_scales_and_the_angle() -> None:
 
 
 @given(turn=st.floats(-1.5, 1.5), other=st.floats(-1.5, 1.5))
-def test_a_rolled_camera_and_a_distance_change_nothing(turn: float, other: float) -> None:
+def test_rolled_camera_and_a_distance_change_nothing(turn: float, other: float) -> None:
     before = constellation_of(blob(0.06, 0.02, 0.4), blob(0.03, 0.01, -0.2))
     after = constellation_of(
         blob(0.03, 0.01, half_turn(0.4 + turn)), blob(0.015, 0.005, half_turn(-0.2 + turn))
@@ -41,11 +41,11 @@ def test_a_rolled_camera_and_a_distance_change_nothing(turn: float, other: float
     assert half_turn(other) == pytest.approx(other)
 
 
-def test_a_round_blob_turns_by_nothing() -> None:
+def test_round_blob_turns_by_nothing() -> None:
     assert constellation_of(blob(0.03, 0.03, None), blob(0.05, 0.02, 1.2)).turn == 0.0
 
 
-def test_an_axis_is_the_same_after_half_a_turn() -> None:
+def test_axis_is_the_same_after_half_a_turn() -> None:
     near, far = Constellation(1.0, 1.0, 1.55), Constellation(1.0, 1.0, -1.55)
     potential = spring("constellation", 3)
     phi, residual, _ = potential.evaluate(near.value, far.value, 3)
@@ -68,7 +68,7 @@ def test_names_without_two_channels_are_no_pair(name: str, dexter: RobotDocument
     assert parse_pair(name, resources(dexter)) is None
 
 
-def test_a_channel_is_not_compared_with_itself_by_another_name(dexter: RobotDocument) -> None:
+def test_channel_is_not_compared_with_itself_by_another_name(dexter: RobotDocument) -> None:
     channels = dexter.vision.channels.model_copy(update={"aliases": {"crimson": "red"}})
     vision = dexter.vision.model_copy(update={"channels": channels})
     robot = dexter.model_copy(update={"vision": vision})

@@ -46,7 +46,7 @@ def look(signals: Signals, time: float, **seen: Region) -> np.ndarray | None:
     return None if reading is None else reading.value
 
 
-def test_the_jacobian_is_its_derivative_by_the_head(signals: Signals) -> None:
+def test_jacobian_is_its_derivative_by_the_head(signals: Signals) -> None:
     """Marked points stand still while the cameras turn."""
     assert look(signals, 0.0, sat_10=BALL, blue=region(170, 125, 3)) is not None
     source = resources(signals.robot)[f"mark.{THING}"]
@@ -113,7 +113,7 @@ def test_mark_outlives_its_region_like_a_heading(signals: Signals) -> None:
 
 
 @pytest.mark.parametrize("colour", ["0, 0.4, 1", "0, 1, 0.2", "1, 0, 1"])
-def test_a_mark_of_any_hue_is_brought_into_view(tmp_path: Path, colour: str) -> None:
+def test_mark_of_any_hue_is_brought_into_view(tmp_path: Path, colour: str) -> None:
     """Run VISUALINSPECT, whose TRACK has no hue."""
     stage = tmp_path / "spotted.yaml"
     spots = (shipped() / "programs" / "stages" / "spotted_right.yaml").read_text("utf-8")
@@ -125,7 +125,7 @@ def test_a_mark_of_any_hue_is_brought_into_view(tmp_path: Path, colour: str) -> 
     assert ended.rewarded
 
 
-def test_the_hue_of_a_mark_may_be_named(dexter: RobotDocument, kinematics: Kinematics) -> None:
+def test_hue_of_a_mark_may_be_named(dexter: RobotDocument, kinematics: Kinematics) -> None:
     blue = mark(dexter, f"mark.{THING}.blue")
     signals = Signals(dexter, kinematics, [blue])
     signals.update(observation(signals, 0.0, sat_10=BALL, green=region(150, 120, 6)))
@@ -141,7 +141,7 @@ def test_any_mark_has_one_name(dexter: RobotDocument) -> None:
     assert mark(dexter, "mark.red.any") == resources(dexter)["mark.red"]
 
 
-def test_a_thing_has_no_mark_of_its_own_hue(dexter: RobotDocument) -> None:
+def test_thing_has_no_mark_of_its_own_hue(dexter: RobotDocument) -> None:
     named = resources(dexter)
     for name in (
         "mark.red.red",

@@ -76,7 +76,7 @@ def test_turns_bring_a_line_of_sight_to_the_middle(signals: Signals) -> None:
         assert heading(rotation.T @ seen) == pytest.approx([0.0, 0.0], abs=1e-6)
 
 
-def test_the_background_is_not_novel_from_any_view(signals: Signals, novel: Resource) -> None:
+def test_background_is_not_novel_from_any_view(signals: Signals, novel: Resource) -> None:
     """Observe the same direction, in the middle of the image and at its left."""
     observe(signals, HERE, [region()], 0.0)
     assert signals.read(novel) is None
@@ -96,7 +96,7 @@ def test_largest_novel_region_off_the_border_is_selected(signals: Signals, novel
     assert reading.value[0] == pytest.approx(np.arctan2(120.0, 418.5), abs=1e-9)
 
 
-def test_a_novel_heading_moves_with_the_head(signals: Signals, novel: Resource) -> None:
+def test_novel_heading_moves_with_the_head(signals: Signals, novel: Resource) -> None:
     observe(signals, HERE, [region(40.0)], 0.0)
     here = signals.read(novel)
     assert here is not None and here.jacobian is not None
