@@ -70,8 +70,8 @@ HOLDERS = (LIMITS, OPTIMUM, SINGULAR, CLEARANCE)
 FLAGS = ("seeking", "exhausted", "astray", "stuck", "lacks_hold")
 #: Sight of a channel's object: in no image and not remembered, in the images of one camera alone,
 #: in all images without a position, remembered but in no image with and without an explanation,
-#: seen, and seen beside others.
-SIGHT = ("unseen", "partly", "ambiguous", "hidden", "missing", "seen", "several")
+#: seen, seen beside others, and once in each image but at no common position.
+SIGHT = ("unseen", "partly", "ambiguous", "hidden", "missing", "seen", "several", "unmatched")
 
 
 class Recording(EpisodeObserver):
@@ -370,11 +370,13 @@ def _sight(instances: Instances) -> int:
         return SIGHT.index("seen" if any(seen) else "unseen")
     if instances.memories[number].position is None:
         seen = [bool(sightings) for sightings in cameras]
-        return SIGHT.index("ambiguous" if all(seen) else "partly" if any(seen) else "unseen")
+        is_whole = not any(each.region.clipped for one in cameras for each in one.values())
+        both = "unmatched" if instances.regions == 1 and is_whole else "ambiguous"
+        return SIGHT.index(both if all(seen) else "partly" if any(seen) else "unseen")
     if not any(seen):
         is_hidden = instances.memories[number].is_accounted_for
         return SIGHT.index("hidden" if is_hidden else "missing")
-    return SIGHT.index("several" if len(instances.known) > 1 else "seen")
+    return SIGHT.index("several" if min(len(instances.known), instances.regions) > 1 else "seen")
 
 
 def triple(controller: Controller) -> dict[str, object]:

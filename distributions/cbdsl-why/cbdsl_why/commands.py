@@ -23,6 +23,9 @@ from cbdsl.extend.command import (
 )
 from cbdsl_why.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 
+# Largest number of contradictions, and of other causes, in the text.
+_MOST = 3
+
 What = Annotated[
     str,
     typer.Argument(
@@ -61,7 +64,8 @@ def why(
     """Print the first cause of an episode that did not succeed.
 
     The cause rests on the predicates, levels and signals of the recording; the truth of a
-    simulation is not read. If no cause is known, the causes that are ruled out are printed.
+    simulation is not read. A cause is stated only if the recorded facts agree until then. If none
+    is known, the facts that contradict each other are printed, or the causes that are ruled out.
     A program runs first, with the options of cb run; a recording needs none of them.
     With --try, single changes run on the same seed, with the same noise: of speeds, forces, gains,
     windows, guards, limits, exits and effectors, and last of masses and friction of the stage. A
@@ -126,6 +130,10 @@ def _is_recording(what: str) -> bool:
     return path.is_dir() or path.suffix in (".json", ".npz")
 
 
+def _clause(cause: dict[str, Any]) -> str:
+    return f"{cause['time']:.2f} s: {cause['sentence']}"
+
+
 def _text(row: dict[str, Any]) -> str:
     """Return the diagnosis of an episode as text."""
     heading = f"{row['program']} on {row['stage']}, seed {row['seed']}"
@@ -133,16 +141,15 @@ def _text(row: dict[str, Any]) -> str:
         return f"{heading}: it did not fail. {row['ending']}"
     cause, lines = row["cause"], [each for each in (row["missing"], row["changed"]) if each]
     if cause is None:
-        lines.append("I do not know. Ruled out:")
-        lines += [f"  {each}" for each in row["ruled_out"]]
+        lines.append("I do not know." if row["doubts"] else "I do not know. Ruled out:")
+        lines += [f"  {each}" for each in row["doubts"][:_MOST] or row["ruled_out"]]
+        lines += [f"  then at {_clause(each)}" for each in row["others"][:_MOST]]
         lines.append(row["ending"])
     else:
         often = f" ({cause['times']} times)" if cause["times"] > 1 else ""
         when = f"at {cause['time']:.2f} s (tick {cause['tick']})"
         lines.append(f"{when}, {cause['kind'].replace('_', ' ')}: {cause['sentence']}{often}.")
-        lines += [
-            f"  then at {each['time']:.2f} s: {each['sentence']}" for each in row["others"][:3]
-        ]
+        lines += [f"  then at {_clause(each)}" for each in row["others"][:_MOST]]
     if patch := row.get("patch"):
         lines.append(("changed " if patch["applied"] else "would help: ") + patch["edit"])
         seeds = f"{patch['seeds']} fresh seeds"

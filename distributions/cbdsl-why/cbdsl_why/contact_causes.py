@@ -17,10 +17,14 @@ _TURNED = math.radians(15)
 _UNTURNED = 0.8
 # Distance that an object moves because of a touch, m, and the force of that touch, N.
 _MOVED, _TOUCH = 0.03, 0.2
+# Time after a touch in which the object moves because of it, s.
+_AFTER = 1.0
+# Force of a fingertip that presses on something, N.
+_PRESSED = 1.0
 # Number of ticks of a change of action.
 _CHANGE = 3
-# Share of the mean distance of open fingers from their centre up to which an object is between.
-_BETWEEN = 0.7
+#: Share of the mean distance of open fingers from their centre up to which an object is between.
+BETWEEN = 0.7
 
 
 class GraspAttempt(NamedTuple):
@@ -85,16 +89,26 @@ def _opens(history: History, hand: str, tick: int) -> bool:
 def _strays(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
     """Yield the ticks in which fingertips touched something else than the sought object."""
     for course in courses:
-        for first, _ in spans(course.flag("astray")):
+        for first, last in spans(course.flag("astray")):
+            pressed = history.forces(course.effector)[first : last + 1] > _PRESSED
+            if not pressed.any():
+                continue
+            first += int(pressed.argmax())
             clause = f"{course.name} felt something else than the object it sought"
             yield FailureCause("wrong_object", first, clause)
 
 
 def _misses(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
     """Yield the attempts of a hand that closed on nothing, by time, with their reason."""
-    attempts = [each for course in courses for each in _attempts(history, course)]
-    for attempt in sorted(attempts, key=lambda each: each.last):
+    own = [each for each in attempts(history) if each.course in courses]
+    for attempt in sorted(own, key=lambda each: each.last):
         yield _miss(history, attempt)
+
+
+def attempts(history: History) -> list[GraspAttempt]:
+    """Return the attempts of all hands that closed on nothing."""
+    grasps = [each for each in history.courses if each.grasps]
+    return [attempt for course in grasps for attempt in _attempts(history, course)]
 
 
 def _attempts(history: History, course: ControllerCourse) -> Iterator[GraspAttempt]:
@@ -120,18 +134,16 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
     """Return why a hand closed on nothing."""
     course, first, last = attempt
     closed = f"{course.name} closed on nothing"
-    place = _approached(history, first)
+    place = approached(history, first)
     if place is None:
         if history.approaches:
             clause = "before any controller had brought the hand to an object"
             return FailureCause("wrong_order", first, f"{closed}, {clause}")
         return FailureCause("no_grasp", last, closed)
     signal, position = place
-    fingers = history.fingers(course.effector, first)
-    if len(fingers) > 1:
-        centre = fingers.mean(axis=0)
-        radius = _BETWEEN * float(np.linalg.norm(fingers - centre, axis=1).mean())
-        beside = float(np.linalg.norm((position - centre)[:2]))
+    radius = BETWEEN * history.spread(course.effector, first)
+    if radius:
+        beside = history.beside(course.effector, first, position)
         if beside > radius:
             clause = f"{closed}, {100 * beside:.1f} cm beside {signal}: its fingers hold within"
             numbers = {"beside": beside, "radius": radius}
@@ -141,7 +153,7 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
     )
 
 
-def _approached(history: History, tick: int) -> tuple[str, np.ndarray] | None:
+def approached(history: History, tick: int) -> tuple[str, np.ndarray] | None:
     """Return the object that a controller had approached by a tick, and its known position."""
     latest, place = -1, None
     for course in history.approaches:
@@ -222,20 +234,24 @@ def _moved(history: History) -> Iterator[FailureCause]:
         if np.any([each.rests for each in courses]):
             continue
         touched = np.flatnonzero(history.forces(hand) > _TOUCH)
-        approached = _approached(history, history.last)
-        if not len(touched) or approached is None:
+        place = approached(history, history.last)
+        if not len(touched) or place is None:
             continue
-        signal = approached[0]
+        signal = place[0]
         values = history.places[signal]
         known = np.flatnonzero(~np.isnan(values[: touched[0] + 1, 0]))
         if not len(known):
             continue
         distances = np.linalg.norm((values - values[known[-1]])[:, :2], axis=1)
         beyond = np.flatnonzero(np.nan_to_num(distances[touched[0] :]) > _MOVED)
-        if len(beyond):
+        # What moves later than a touch moves for another reason.
+        moved = int(touched[0] + beyond[0]) if len(beyond) else history.last
+        touched = touched[touched <= moved]
+        if len(beyond) and touched[-1] > moved - history.ticks(_AFTER):
             far = float(np.nanmax(distances[touched[0] :]))
             clause = f"{hand} moved {signal} by {100 * far:.1f} cm before it held it"
-            tick = int(touched[0])
+            breaks = np.flatnonzero(np.diff(touched) > history.ticks(_AFTER))
+            tick = int(touched[breaks[-1] + 1 if len(breaks) else 0])
             yield _turned(history, tick, clause) or FailureCause(
                 "moved_by_touch", tick, clause, {"distance": far}
             )

@@ -15,6 +15,8 @@ from cbdsl_why.history import END, FailureCause, History
 _ROUNDS = 3
 # Largest number of transitions of a round.
 _LONGEST = 12
+# Time before the end in which a member comes nearer if time is short, s, and by which share.
+_LATE, _NEARER = 0.5, 0.02
 
 
 def order(history: History) -> Iterator[FailureCause]:
@@ -47,16 +49,27 @@ def course(history: History) -> Iterator[FailureCause]:
     seconds, end = history.result["sim_seconds"], history.last
     if limits.get("episode_time") and seconds >= limits["episode_time"] - 0.1:
         clause = f"the {limits['episode_time']:g} s of the episode were over"
-        yield FailureCause("time", end, clause, {"seconds": limits["episode_time"]}, rank=END)
+        if _came_nearer(history):
+            yield FailureCause("time", end, clause, {"seconds": limits["episode_time"]}, rank=END)
     elif len(own) >= limits.get("transitions", len(own) + 1):
         clause = f"the {limits['transitions']} transitions were used up"
         yield FailureCause("time", end, clause, {"transitions": limits["transitions"]}, rank=END)
-    elif own and own[-1]["state"] == own[-1]["next_state"]:
+    elif own and own[-1]["state"] == own[-1]["next_state"] and _came_nearer(history):
         clause = f"{own[-1]['action']} changed nothing in {_seconds(history, own[-1]):.1f} s"
         yield FailureCause("time", end, f"{clause} in state {own[-1]['state']}", rank=END)
-    elif own:
+    elif own and own[-1]["state"] != own[-1]["next_state"]:
         clause = f"the policy has no action for state {own[-1]['next_state']}"
         yield FailureCause("no_action", history.tick(own[-1]["time"]), clause, rank=END)
+
+
+def _came_nearer(history: History) -> bool:
+    """Return whether more time would have helped: a member came nearer to its target at the end."""
+    late = slice(-history.ticks(_LATE), None)
+    for course in history.courses:
+        errors = course.errors[late][course.acts[late]]
+        if course.member and len(errors) > 1 and errors[-1] < (1.0 - _NEARER) * errors[0]:
+            return True
+    return False
 
 
 def _stated(history: History) -> Iterator[FailureCause]:

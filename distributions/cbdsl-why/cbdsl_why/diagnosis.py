@@ -1,4 +1,8 @@
-"""Diagnosis of a recorded episode: its first cause, and the families that are ruled out."""
+"""Diagnosis of a recorded episode: its first cause, and the families that are ruled out.
+
+A cause is stated if the recorded facts agree with each other until then. Where they do not, an
+unknown fault of sensors, drives or the world came first, and the causes are its symptoms.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +12,9 @@ from typing import NamedTuple
 from cbdsl.extend.diagnosis import MarkedCause, Recorded
 from cbdsl_why.contact_causes import contact
 from cbdsl_why.course_causes import course, order
-from cbdsl_why.history import FailureCause, History
+from cbdsl_why.history import HALT, FailureCause, History
 from cbdsl_why.motion_causes import motion
+from cbdsl_why.premises import doubts
 from cbdsl_why.robot_causes import robot
 from cbdsl_why.sight_causes import sight
 
@@ -48,8 +53,9 @@ class Diagnosis(NamedTuple):
     Attributes:
         failed: True if the episode did not succeed.
         cause: The first cause; ``None`` if there is none, or none is known.
-        others: Other causes in force at the end, by time.
+        others: Other causes in force at the end, by time, or symptoms of an unknown one.
         ruled_out: A clause for each family without a cause.
+        doubts: Contradictions of the recording before which no cause lies; else empty.
         missing: A clause if the recording lacks facts of controllers and sight; else empty.
     """
 
@@ -58,6 +64,7 @@ class Diagnosis(NamedTuple):
     others: tuple[FailureCause, ...]
     ruled_out: tuple[str, ...]
     missing: str
+    doubts: tuple[str, ...] = ()
 
 
 def diagnose(history: History) -> Diagnosis:
@@ -76,14 +83,20 @@ def diagnose(history: History) -> Diagnosis:
     present = {place for _, place in causes}
     ruled_out = tuple(each.absent for n, each in enumerate(FAMILIES) if n not in present)
     causes.sort(key=lambda each: (each[0].rank, each[0].tick))
+    contradictions, near = doubts(history), history.ticks(_TOGETHER)
     if not causes:
-        return Diagnosis(failed, None, (), ruled_out, missing)
+        clauses = tuple(each.clause for each in contradictions)
+        return Diagnosis(failed, None, (), ruled_out, missing, clauses)
     earliest = causes[0][0]
-    horizon = earliest.tick + history.ticks(_TOGETHER)
+    horizon = earliest.tick + near
     together = [
         each for each in causes if each[0].rank == earliest.rank and each[0].tick <= horizon
     ]
     first = min(together, key=lambda each: each[1])[0]
+    clauses = tuple(each.clause for each in contradictions if each.tick <= first.tick + near)
+    if clauses and first.rank != HALT:
+        symptoms = tuple(cause for cause, _ in causes)
+        return Diagnosis(failed, None, symptoms, ruled_out, missing, clauses)
     others = tuple(cause for cause, _ in causes if cause is not first)
     return Diagnosis(failed, first, others, ruled_out, missing)
 
@@ -92,5 +105,5 @@ def causes(recorded: Recorded) -> list[MarkedCause]:
     """Return the causes of a failed episode for its page, the first one first."""
     history = History(recorded)
     diagnosis = diagnose(history)
-    rows = () if diagnosis.cause is None else (diagnosis.cause, *diagnosis.others)
+    rows = (diagnosis.cause, *diagnosis.others) if diagnosis.cause is not None else ()
     return [MarkedCause(each.kind, float(history.time[each.tick]), each.sentence) for each in rows]

@@ -28,6 +28,12 @@ Mask = NDArray[np.bool_]
 HALT, EVENT, END = range(3)
 
 
+#: Ticks in which a joint that follows reaches its reference.
+AGES = 3
+#: Force of a load cell above which a hand is in contact, N.
+CONTACT = 0.3
+
+
 class FailureCause(NamedTuple):
     """Cause of a failure, as recorded.
 
@@ -234,14 +240,20 @@ class History:
         """Courses that bring a position to a seen object."""
         return [each for each in self.courses if each.unit == "m" and each.base in self.places]
 
+    @property
+    def cell_forces(self) -> Floats:
+        """Force of each load cell by tick, N, shape (T, cells, 3)."""
+        loads = self.recorded.arrays["loads"]
+        forces: Floats = loads.reshape(len(loads), len(self.summary["load_cells"]), 6)[..., :3]
+        return forces
+
     def forces(self, hand: str) -> Floats:
         """Return the largest force of a hand's load cells by tick, N, shape (T,)."""
         cells = self.summary["load_cells"]
         columns = [n for n, cell in enumerate(cells) if cell.split(".")[0] == hand]
-        loads = self.recorded.arrays["loads"][..., :3]
         if not columns:
             return np.zeros(len(self.time))
-        largest: Floats = np.linalg.norm(loads[:, columns], axis=2).max(axis=1)
+        largest: Floats = np.linalg.norm(self.cell_forces[:, columns], axis=2).max(axis=1)
         return largest
 
     def fingers(self, hand: str, tick: int) -> Floats:
@@ -250,6 +262,47 @@ class History:
         links = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
         poses = self._poses(tick)
         return np.array([poses[link][0] for link in links if link in poses]).reshape(-1, 3)
+
+    def spread(self, hand: str, tick: int) -> float:
+        """Return the mean distance of the fingers from their centre, m; 0 for a single finger."""
+        fingers = self.fingers(hand, tick)
+        centre = fingers.mean(axis=0) if len(fingers) else np.zeros(3)
+        return float(np.linalg.norm(fingers - centre, axis=1).mean()) if len(fingers) else 0.0
+
+    def beside(self, hand: str, tick: int, position: Floats) -> float:
+        """Return the horizontal distance of a position from the centre of the fingers, m."""
+        return float(np.linalg.norm((position - self.fingers(hand, tick).mean(axis=0))[:2]))
+
+    @cached_property
+    def cell_joints(self) -> Mapping[str, int]:
+        """Column of the joint that moves the link of each load cell."""
+        names, joints = [each.name for each in self._links], dict[str, int]()
+        for cell, link in self.summary["robot"].get("cells", {}).items():
+            place = names.index(link) if link in names else -1
+            while place >= 0 and self._links[place].column < 0:
+                place = self._links[place].parent
+            if place >= 0 and cell in self.summary["load_cells"]:
+                joints[cell] = self._links[place].column
+        return joints
+
+    @cached_property
+    def lags(self) -> Floats:
+        """Distance of each joint from all its recent references, rad or m, shape (T, n).
+
+        A joint that moves on is where its reference was a moment ago.
+        """
+        references, positions = (self.recorded.arrays[k] for k in ("references", "positions"))
+        ticks = np.arange(len(positions))
+        recent = [references[np.maximum(ticks - age, 0)] for age in range(AGES)]
+        lags: Floats = np.min([np.abs(each - positions) for each in recent], axis=0)
+        return lags
+
+    @cached_property
+    def touches(self) -> Mask:
+        """True while a load cell of any hand feels a contact, which holds joints back."""
+        forces = [np.zeros(len(self.time)), *map(self.forces, self.hands)]
+        touches: Mask = np.max(forces, axis=0) > CONTACT
+        return touches
 
     def _poses(self, tick: int) -> dict[str, tuple[Floats, Floats]]:
         """Return position, m, and quaternion of each link by forward kinematics, world frame."""

@@ -80,6 +80,7 @@ def diagnosis_row(history: History, diagnosis: Diagnosis) -> dict[str, Any]:
         "others": [_cause(history, each) for each in diagnosis.others],
         "ruled_out": diagnosis.ruled_out,
         "missing": diagnosis.missing,
+        "doubts": diagnosis.doubts,
     }
 
 

@@ -48,6 +48,14 @@ def predicates(*parts: tuple[str, int]) -> list[str]:
     return [state for state, ticks in parts for _ in range(ticks)]
 
 
+def pressed(force: float, lag: float, ticks: slice = slice(60, TICKS)) -> dict[str, Any]:
+    """Return loads and references of fingers that press with a force, N, and lag, rad."""
+    loads, references = np.zeros((TICKS, 2, 6)), np.zeros((TICKS, 2))
+    loads[ticks, :, 2] = force * np.array([1.0, -1.0])
+    references[ticks, 1] = lag
+    return {"loads": loads, "references": references}
+
+
 def transition(state: str, action: str, next_state: str, time: float, ticks: int) -> dict[str, Any]:
     """Return a recorded transition of the main program."""
     keys = {"program": "pick", "depth": 0, "reward": 0}

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_history import TICKS, course, flags, made, predicates, transition
+from made_history import TICKS, course, flags, made, predicates, pressed, transition
 
 import cbdsl_why as package
 from cbdsl.reporting.recorded import read_recording
@@ -62,7 +62,8 @@ def sight(code: str, ticks: slice = END, usual: str = "seen") -> np.ndarray:
         ("slip", 60, {"predicates": predicates(("X0X", 30), ("X1X", 30), ("X-X", 60))}),
         ("slip", 118, {"predicates": predicates(("X1X", 118), ("X-X", 2))}),
         ("slip", 60, {"predicates": predicates(("X1X", 30), ("XXX", 1), ("X0X", 29), ("X-X", 60))}),
-        ("wrong_object", 60, {"predicates": ["X0X"] * TICKS, "flags": flags("astray", 1, END)}),
+        ("wrong_object", 60, {"predicates": ["X0X"] * TICKS, "flags": flags("astray", 1, END),
+                              **pressed(2.0, 0.02)}),
         ("no_action", 60, {"transitions": [transition("XXX", "reach", "1XX", 1.0, 60)],
                            "predicates": predicates(("0XX", 60), ("1XX", 60))}),
         ("cycle", 60, {"predicates": ["X0X"] * TICKS, "transitions": [

@@ -46,6 +46,7 @@ class Instances:
     Attributes:
         memories: Memories by number, from 0.
         sightings: Sightings in the newest images, as in ``ObjectMemories``.
+        regions: Largest number of regions in one of these images.
     """
 
     def __init__(self, settings: Regions, field: FieldOfView, cameras: int) -> None:
@@ -60,7 +61,7 @@ class Instances:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._exposed = 0.0
+        self._exposed, self.regions = 0.0, 0
         self._objects.reset()
         self._attention.reset()
         self._occlusion.others = ()
@@ -90,6 +91,7 @@ class Instances:
             others: Sightings of the other channels' regions by camera.
         """
         self._exposed, self._occlusion.others = exposed, others
+        self.regions = max(map(len, seen), default=0)
         self._objects.forget_sightings()
         known = self.known
         if not known:

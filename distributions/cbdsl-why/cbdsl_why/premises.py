@@ -1,0 +1,212 @@
+"""Premises of all causes: clock, drives, load cells and cameras agree with each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cbdsl_why.contact_causes import BETWEEN, approached, attempts, contact
+from cbdsl_why.history import CONTACT, History, Mask, spans
+
+# Share of a period by which a tick may be late, and share of late ticks.
+_JITTER, _OFTEN = 0.5, 0.05
+# Lag behind all recent references above which a joint does not follow, as a share of the largest
+# lead, and for a sliding joint, m. Successful episodes of four robots stay below a fifth and 1 mm.
+_LAG, _SLID = 0.25, 2e-3
+# Time that a contradiction lasts, s.
+_LASTS = 0.3
+# Reversals of a reference within a second that no task has, and the least step of one, rad.
+_REVERSALS, _STEP = 12, 1e-3
+# Force of a cell, N, from which its contact holds a joint back, and that a drive with a lag exerts;
+# and the share of that lag that a free joint has.
+_FELT, _FREE = 1.0, 0.1
+# Share of the grip that the load of an object has in successful episodes at most, times 1.5.
+_OVERLOAD = 0.45
+# Time of images without a match that is no matter of partial views, s.
+_UNMATCHED = 1.0
+# Distance that a hand carries an object, and that the object then seems to have moved, m.
+_CARRIED, _STAYED = 0.06, 0.02
+# Share of the distance of the open fingers up to which they have closed.
+_CLOSED = 0.5
+
+
+class Doubt(NamedTuple):
+    """Contradiction between recorded facts, from which on no cause can be trusted.
+
+    Attributes:
+        tick: First tick in which it shows.
+        clause: The facts, with their numbers.
+    """
+
+    tick: int
+    clause: str
+
+
+def doubts(history: History) -> list[Doubt]:
+    """Return the contradictions of a recording by time."""
+    finders = (
+        _clock, _drives, _readings, _fingers, _overloads, _reversals, _views, _carries, _closings,
+    )  # fmt: skip
+    found = [doubt for find in finders for doubt in find(history)]
+    return sorted(found, key=lambda each: each.tick)
+
+
+def _clock(history: History) -> Iterator[Doubt]:
+    """Yield a clock whose ticks have no common period."""
+    periods = np.diff(history.time)
+    usual = float(np.median(periods)) if len(periods) else 0.0
+    uneven = np.flatnonzero(np.abs(periods - usual) > _JITTER * usual)
+    if len(uneven) > _OFTEN * len(periods):
+        share = 100 * len(uneven) / len(periods)
+        clause = f"{share:.0f} % of the ticks were early or late by more than half a period"
+        yield Doubt(int(uneven[0]), clause)
+
+
+def _drives(history: History) -> Iterator[Doubt]:
+    """Yield joints that moved, but away from their references, where nothing was felt.
+
+    A joint that stands still has a cause: ``not_followed``.
+    """
+    positions = history.recorded.arrays["positions"]
+    felt = set(history.cell_joints.values())
+    for joint, name in enumerate(history.summary["joints"]):
+        late = (history.lags[:, joint] > _allowed(history, joint)) & ~history.touches
+        for first, last in spans(late) if joint not in felt else ():
+            moved = float(np.ptp(positions[first : last + 1, joint]))
+            if last - first >= history.ticks(_LASTS) and moved > _allowed(history, joint):
+                lag, unit = float(history.lags[first:last, joint].max()), history.unit(joint)
+                clause = (
+                    f"joint {name} moved by {moved:.2g} {unit}, up to {lag:.2g} {unit} from its"
+                )
+                yield Doubt(first, f"{clause} references: its load, drive or encoder differ")
+                break
+
+
+def _readings(history: History) -> Iterator[Doubt]:
+    """Yield joints whose readings jump."""
+    jumps = np.abs(np.diff(history.recorded.arrays["positions"], n=2, axis=0))
+    for joint, name in enumerate(history.summary["joints"]):
+        ticks = np.flatnonzero(jumps[:, joint] > _allowed(history, joint))
+        if len(ticks) > _OFTEN * len(jumps):
+            size, unit = float(np.median(jumps[ticks, joint])), history.unit(joint)
+            yield Doubt(int(ticks[0]), f"joint {name} read jumps of {size:.2g} {unit}")
+
+
+def _fingers(history: History) -> Iterator[Doubt]:
+    """Yield fingers whose load cells and drives contradict each other.
+
+    A drive pushes by the lag of its joint, and a felt force holds a joint back.
+    """
+    forces = np.linalg.norm(history.cell_forces, axis=2)
+    for cell, joint in history.cell_joints.items():
+        force = forces[:, history.summary["load_cells"].index(cell)]
+        lag, allowed, unit = history.lags[:, joint], _allowed(history, joint), history.unit(joint)
+        name = history.summary["joints"][joint]
+        stopped = f"joint {name} was {{:.2g}} {unit} behind its reference"
+        for contradiction, clause in (
+            ((force < _FELT) & (lag > allowed), f"{stopped}, and {cell} felt {{:.2g}} N"),
+            (
+                (force > _FELT) & (lag < _FREE * allowed),
+                f"{stopped} only, and {cell} felt {{:.2g}} N",
+            ),
+        ):
+            for first, last in spans(contradiction):
+                if last - first >= history.ticks(_LASTS):
+                    middle = (first + last) // 2
+                    yield Doubt(first, clause.format(lag[middle], force[middle]))
+                    break
+
+
+def _overloads(history: History) -> Iterator[Doubt]:
+    """Yield slips of objects whose load was too large for the grip, for an unknown reason."""
+    loads = history.cell_forces
+    cells = history.summary["load_cells"]
+    for slip in contact(history):
+        hand = slip.sentence.split(":")[0].rsplit(" ", 1)[-1]
+        columns = [n for n, cell in enumerate(cells) if cell.split(".")[0] == hand]
+        if slip.kind != "slip" or not columns:
+            continue
+        before = loads[max(0, slip.tick - history.ticks(_LASTS)) : slip.tick, columns]
+        load = np.linalg.norm(before.sum(axis=1), axis=1)
+        grip = np.linalg.norm(before, axis=2).sum(axis=1)
+        most = int(np.argmax(load / np.maximum(grip, CONTACT)))
+        if load[most] > _OVERLOAD * grip[most]:
+            clause = f"{hand} bore {load[most]:.1f} N by {grip[most]:.1f} N of grip when the object"
+            yield Doubt(slip.tick, f"{clause} slipped: it is heavy, or something held it")
+
+
+def _reversals(history: History) -> Iterator[Doubt]:
+    """Yield joints whose references swing to and fro."""
+    steps = np.diff(history.recorded.arrays["references"], axis=0)
+    second = history.ticks(1.0)
+    for joint, name in enumerate(history.summary["joints"]):
+        moving = np.flatnonzero(np.abs(steps[:, joint]) > _STEP)
+        turns = moving[1:][np.diff(np.sign(steps[moving, joint])) != 0]
+        many = turns[_REVERSALS:] - turns[:-_REVERSALS] < second
+        if many.any():
+            first = int(turns[np.flatnonzero(many)[0]])
+            clause = f"the references of joint {name} reversed {_REVERSALS} times within a second"
+            yield Doubt(first, clause)
+
+
+def _views(history: History) -> Iterator[Doubt]:
+    """Yield objects that both cameras see, and nowhere in common."""
+    for channel in history.summary.get("channels", ()):
+        codes = np.array(history.sight(channel))
+        unmatched = np.flatnonzero(codes == "unmatched")
+        if len(unmatched) > history.ticks(_UNMATCHED):
+            seconds = len(unmatched) * float(np.median(np.diff(history.time)))
+            clause = (
+                f"each camera saw one {channel} region, for {seconds:.1f} s not at one position"
+            )
+            yield Doubt(int(unmatched[0]), f"{clause}: images or calibration differ")
+
+
+def _carries(history: History) -> Iterator[Doubt]:
+    """Yield objects that were seen to stay where a hand had carried them away."""
+    for hand in history.hands:
+        holds = [each for each in history.courses if each.effector == hand and each.grasps]
+        for first, last in spans(np.any([each.rests for each in holds], axis=0)):
+            place = approached(history, first)
+            if place is None or last - first < history.ticks(_LASTS):
+                continue
+            ticks = np.arange(first, last, max(1, history.ticks(0.1)))
+            centres = np.array([history.fingers(hand, tick).mean(axis=0) for tick in ticks])
+            seen = _seen(history, place[0])[ticks]
+            values = history.places[place[0]][ticks]
+            gone = seen & (np.linalg.norm(centres - centres[0], axis=1) > _CARRIED)
+            stayed = np.linalg.norm(values - values[0], axis=1) < _STAYED
+            if (gone & stayed).any():
+                tick = int(ticks[np.flatnonzero(gone & stayed)[0]])
+                clause = f"{hand} carried an object away, and {place[0]} was seen to stay"
+                yield Doubt(tick, clause)
+                break
+
+
+def _closings(history: History) -> Iterator[Doubt]:
+    """Yield hands that closed where an object was seen between their fingers."""
+    for attempt in attempts(history):
+        place = approached(history, attempt.first)
+        opened, closed = (history.spread(attempt.course.effector, t) for t in attempt[1:])
+        if place is None or closed > _CLOSED * opened:
+            continue
+        beside = history.beside(attempt.course.effector, attempt.last, place[1])
+        if beside < BETWEEN * opened and _seen(history, place[0])[attempt.last]:
+            clause = f"{attempt.course.name} closed where {place[0]} was seen, and felt nothing"
+            yield Doubt(attempt.last, clause)
+            return
+
+
+def _seen(history: History, signal: str) -> Mask:
+    """Return the ticks in which the images showed the object of a signal, shape (T,)."""
+    codes = np.array(history.sight(history.channels(signal)[0]))
+    seen: Mask = np.isin(codes, ("seen", "several"))
+    return seen if len(seen) else np.zeros(len(history.time), dtype=bool)
+
+
+def _allowed(history: History, joint: int) -> float:
+    """Return the lag that a free joint has, rad or m."""
+    lead = history.summary["robot"].get("lead") or np.inf
+    return _SLID if history.unit(joint) == "m" else _LAG * lead

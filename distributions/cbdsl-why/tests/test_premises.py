@@ -1,0 +1,95 @@
+"""Contradictions of made recordings: each is found, and suspends the causes behind it alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from made_history import TICKS, flags, made, predicates, pressed, transition
+
+from cbdsl.runtime.recording import SIGHT
+from cbdsl_why.diagnosis import diagnose
+from cbdsl_why.premises import doubts
+
+_TICK = np.arange(TICKS)
+_MOVING = np.clip((_TICK - 60) / 60, 0.0, 1.0)[:, None] * np.array([1.0, 0.0])
+_SHAKEN = 0.1 * np.array([1.0, 0.0]) * np.where(_TICK[:, None] % 2, 1.0, -1.0)
+_UNEVEN = _TICK / 60 + 0.014 * (_TICK % 2)
+_CLOSING = {
+    "predicates": predicates(("0XX", 30), ("X-X", 90)),
+    "level_priority": np.where(_TICK[:, None] < 30, [0, -1, 1], -1),
+    "flags": flags("seeking", 1, slice(30, 90)) | flags("exhausted", 1, slice(90, TICKS)),
+}
+_HEAVY = {
+    "predicates": predicates(("X0X", 30), ("X1X", 30), ("X-X", 60)),
+    "loads": np.where(_TICK[:, None, None] < 60, [0.0, 3.0, 0.0, 0.0, 0.0, 0.0], 0.0)
+    * np.ones((1, 2, 1)),
+    "references": np.where(_TICK[:, None] < 60, [0.0, 0.02], 0.0),
+}
+
+
+@pytest.mark.parametrize(
+    ("clause", "tick", "changes"),
+    [
+        ("early or late", 0, {"time": _UNEVEN}),
+        ("encoder differ", 66, {"references": _MOVING, "positions": 0.5 * _MOVING}),
+        ("read jumps", 0, {"positions": _SHAKEN}),
+        ("felt 0.2 N", 60, pressed(0.2, 0.1)),
+        ("behind its reference only", 60, pressed(5.0, 0.0)),
+        ("bore 6.0 N", 60, _HEAVY),
+        ("reversed", 0, {"references": 0.2 * _SHAKEN, "positions": 0.2 * _SHAKEN}),
+        ("not at one position", 30, {"sight": np.where(_TICK < 30, SIGHT.index("seen"),
+                                     SIGHT.index("unmatched"))[:, None]}),
+    ],
+)  # fmt: skip
+def test_doubts_find_a_contradiction_with_its_tick(
+    clause: str, tick: int, changes: dict[str, Any]
+) -> None:
+    found = [each for each in doubts(made(**changes)) if clause in each.clause]
+    assert found
+    assert abs(found[0].tick - tick) <= 6
+
+
+def test_doubts_of_agreeing_facts_are_empty() -> None:
+    assert doubts(made()) == []
+    assert doubts(made(**pressed(2.0, 0.02))) == []
+    followed = np.roll(_MOVING, 1, axis=0)
+    assert doubts(made(references=_MOVING, positions=followed)) == []
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.9])
+def test_a_lag_below_the_allowed_share_is_no_doubt(share: float) -> None:
+    lagging = np.maximum(_MOVING - share * 0.03, 0.0)
+    assert doubts(made(references=_MOVING, positions=lagging)) == []
+
+
+def test_diagnose_behind_a_contradiction_does_not_know() -> None:
+    lost = {"predicates": predicates(("X0X", 30), ("X1X", 30), ("X-X", 60))}
+    assert getattr(diagnose(made(**lost)).cause, "kind", "") == "slip"
+    diagnosis = diagnose(made(**lost, time=_UNEVEN))
+    assert diagnosis.cause is None
+    assert "early or late" in diagnosis.doubts[0]
+    assert diagnosis.others[0].kind == "slip"
+
+
+def test_diagnose_before_a_contradiction_knows() -> None:
+    never = {"predicates": ["-XX"] * TICKS, "signal_stereo__red": np.full((TICKS, 3), np.nan)}
+    unseen = np.full((TICKS, 1), SIGHT.index("unseen"))
+    diagnosis = diagnose(made(**never, sight=unseen, **pressed(0.2, 0.1)))
+    assert getattr(diagnosis.cause, "kind", "") == "never_seen"
+    assert diagnosis.doubts == ()
+
+
+def test_diagnose_of_a_heavy_slip_states_load_and_grip() -> None:
+    diagnosis = diagnose(made(**_HEAVY))
+    assert diagnosis.cause is None
+    assert "by 6.0 N of grip" in diagnosis.doubts[0]
+
+
+def test_time_is_a_cause_only_while_a_member_comes_nearer() -> None:
+    over = [transition("0XX", "reach", "0XX", 2.0, 119)]
+    still = diagnose(made(transitions=over))
+    assert still.cause is None
+    nearer = np.linspace(0.3, 0.1, TICKS)[:, None] * np.ones(3)
+    assert getattr(diagnose(made(transitions=over, errors=nearer)).cause, "kind", "") == "time"
