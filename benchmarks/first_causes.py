@@ -1,6 +1,6 @@
 """Judge of ``cb why``: episodes with injected causes, and the first causes that it names.
 
-``python -m benchmarks.first_causes --seeds 20`` runs the judged programs. Explanations were
+``python benchmarks/first_causes.py --seeds 20`` runs the judged programs. Explanations were
 developed with ``--set developed``, which has other programs. Injections act through programs,
 stages, and the simulated backend; ``cb why`` reads recordings alone.
 """
@@ -18,9 +18,9 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
+from injected_causes import DEVELOPED, JUDGED, Edits, Injection
 
 import cbdsl
-from benchmarks.injected_causes import DEVELOPED, JUDGED, Edits, Injection
 from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument

@@ -11,7 +11,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from benchmarks.injected_faults import (
+from injected_faults import (
     ChangedModel,
     DelayedReadings,
     Distortion,
@@ -38,6 +38,7 @@ from benchmarks.injected_faults import (
     tough_joint,
     weak_drives,
 )
+
 from cbdsl.backends.simulated_backend import SimulatedBackend
 
 Edits = Mapping[str, Sequence[tuple[str, str]]]

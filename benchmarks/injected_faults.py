@@ -227,7 +227,8 @@ class NoisyReadings:
         """Return an observation with noise."""
         value = np.asarray(getattr(seen, self._key), dtype=float)
         noisy = value + self._deviation * self._rng.standard_normal(value.shape)
-        return replace(seen, **{self._key: noisy if noisy.shape else float(noisy)})
+        changed: Any = {self._key: noisy if noisy.shape else float(noisy)}
+        return replace(seen, **changed)
 
 
 def scaled_joint(seen: Observation) -> Observation:

@@ -6,10 +6,10 @@ import math
 from pathlib import Path
 
 import pytest
+from first_causes import CauseVerdict, table, verdicts, written
+from injected_causes import DEVELOPED, JUDGED, Injection
 
 import cbdsl
-from benchmarks.first_causes import CauseVerdict, table, verdicts, written
-from benchmarks.injected_causes import DEVELOPED, JUDGED, Injection
 
 _ALL = [*(("developed", each) for each in DEVELOPED), *(("judged", each) for each in JUDGED)]
 

@@ -173,7 +173,7 @@ def _carries(history: History) -> Iterator[Doubt]:
             if place is None or last - first < history.ticks(_LASTS):
                 continue
             ticks = np.arange(first, last, max(1, history.ticks(0.1)))
-            centres = np.array([history.fingers(hand, tick).mean(axis=0) for tick in ticks])
+            centres = np.array([history.fingers(hand, int(tick)).mean(axis=0) for tick in ticks])
             seen = _seen(history, place[0])[ticks]
             values = history.places[place[0]][ticks]
             gone = seen & (np.linalg.norm(centres - centres[0], axis=1) > _CARRIED)
