@@ -184,11 +184,11 @@ def run(
         watch = _watch(request, read, runner, view, prints=prints) if options.watch else None
         telling = Telling(recorder, output.explain, output.as_json, view, watch)
         if prints:
-            print(_introduction(request, options.backend, embodied))
-            print(*(f"note: {note}\n" for note in _notes(request)), sep="", end="")
+            print("\n".join([_introduction(request, options.backend, embodied), *_notes(request)]))
         tally = _run_all(runner, request, seeds, options.context, telling)
         more = partial(_episode, runner, request, seeds[-1], options.context, telling)
-        go_on(None if live.live_close else view, watch, lambda: tally.add(more()), prints=prints)
+        shown_on = None if live.live_close else view
+        go_on(shown_on, watch, lambda: tally.add(more(), again=True), prints=prints)
     _conclude(request, tally)
 
 
@@ -244,13 +244,7 @@ def _conclude(request: RunRequest, tally: EpisodeTally) -> None:
 
 
 def _introduction(request: RunRequest, name: str, backend: Backend) -> str:
-    """Return program, stage and engine, and the renderer if there are images.
-
-    Args:
-        request: Program and stage.
-        name: Name of the backend.
-        backend: Robot on this backend.
-    """
+    """Return program, stage and name of the engine, and the renderer if there are images."""
     images = f"; images by {backend.renderer}" if request.robot.cameras else ""
     return f"{request.program.name} on {request.stage.name}; engine {name}{images}"
 
@@ -263,7 +257,9 @@ def _notes(request: RunRequest) -> list[str]:
     if not request.robot.cameras:
         return []
     channels = absent_channels(request.program, request.stage, request.robot.vision.channels)
-    return [f"nothing on stage '{request.stage.name}' is of {channel}" for channel in channels]
+    return [
+        f"note: nothing on stage '{request.stage.name}' is of {channel}" for channel in channels
+    ]
 
 
 def _runner(request: RunRequest, kinematics: Kinematics, backend: Backend) -> Runner:

@@ -120,12 +120,12 @@ class Recording(EpisodeObserver):
             key: []
             for key in (
                 "time", "positions", "velocities", "references", "potentials", "errors", "loads",
-                "flags", "sight",
+                "flags", "sight", "guard_held",
+                *(f"signal_{each.name}" for each in self._resources),
             )
         }  # fmt: skip
-        self._rows |= {f"signal_{each.name}": [] for each in self._resources}
         self._distances = [e for e in self._resources if sources_of([e], LinkDistance)]
-        self._rows |= {f"pair_{each.name}": [] for each in self._distances} | {"guard_held": []}
+        self._rows |= {f"pair_{each.name}": [] for each in self._distances}
         # Nearest links of each distance, by their names.
         self._pairs = {each.name: {"": 0} for each in self._distances}
         self._guards: list[str] = []
@@ -176,12 +176,12 @@ class Recording(EpisodeObserver):
             "loads": list(tick.signals.touch.loads.copy()),
             "flags": [_flags(run) for _, run in runs],
             "sight": [_sight(each) for each in tick.signals.vision.instances.values()],
+            "guard_held": tick.actuation.load_guards.records["held"].tolist(),
+            **{f"signal_{each.name}": _value(each, tick.signals) for each in self._resources},
         }
         self._channels = tick.signals.vision.channels
         self._guards = tick.actuation.load_guards.names
-        row["guard_held"] = tick.actuation.load_guards.records["held"].tolist()
         self._apart.append(tick.actuation.clearance.holding)
-        row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
         for each in self._distances:
             pairs, pair = self._pairs[each.name], tick.signals.distances.pair(each)
             row[f"pair_{each.name}"] = pairs.setdefault(pair, len(pairs))

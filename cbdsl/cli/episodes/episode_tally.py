@@ -22,13 +22,16 @@ class EpisodeTally:
         self.outcomes: Counter[str] = Counter()
         self.rewarded = 0
         self.sim_seconds = self.wall_seconds = 0.0
+        self._last: tuple[EpisodeResult, ...] = ()
 
-    def add(self, result: EpisodeResult) -> None:
-        """Add an episode."""
-        self.outcomes[result.outcome] += 1
-        self.rewarded += result.rewarded
-        self.sim_seconds += result.sim_seconds
-        self.wall_seconds += result.wall_seconds
+    def add(self, result: EpisodeResult, *, again: bool = False) -> None:
+        """Add an episode, ``again`` in place of the last one."""
+        before, self._last = self._last if again else (), (result,)
+        for each, sign in (*((one, -1) for one in before), (result, 1)):
+            self.outcomes[each.outcome] += sign
+            self.rewarded += sign * each.rewarded
+            self.sim_seconds += sign * each.sim_seconds
+            self.wall_seconds += sign * each.wall_seconds
 
     def heading(self, seed: int, index: int, episodes: int) -> str:
         """Return the heading of an episode, with the remaining time."""
@@ -42,10 +45,8 @@ class EpisodeTally:
 
     def summary(self, *, states_success: bool) -> str:
         """Return the number of successful episodes, or of rewarded ones without success states."""
-        if states_success:
-            count, verb = self.outcomes["success"], "succeeded"
-        else:
-            count, verb = self.rewarded, "rewarded"
+        count = self.outcomes["success"] if states_success else self.rewarded
+        verb = "succeeded" if states_success else "rewarded"
         simulated, wall = self.sim_seconds, self.wall_seconds
         return (
             f"{count} of {self.outcomes.total()} episodes {verb}; {simulated:.0f} s simulated "

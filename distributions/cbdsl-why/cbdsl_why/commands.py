@@ -77,6 +77,8 @@ def why(
     """
     if page is not None:
         require_room(page)
+    if options.workers > 1 or options.watch:
+        raise UsageError("--workers and --watch are for cb run: cb why runs episodes one by one")
     if (try_ or apply) and _is_recording(what):
         raise UsageError("a recording cannot run again: give the program and its seed to --try")
     unknown = False

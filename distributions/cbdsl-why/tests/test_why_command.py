@@ -110,6 +110,17 @@ def test_why_refuses_to_try_changes_of_a_recording(
     assert "a recording cannot run again" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("option", [("--workers", "2"), ("--watch",)], ids=lambda each: each[0])
+def test_why_refuses_options_without_an_effect(
+    option: tuple[str, ...],
+    hasty: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert cb(monkeypatch, "why", str(hasty), *KINEMATIC, *option) == 2
+    assert "--workers and --watch are for cb run" in capsys.readouterr().err
+
+
 def test_why_of_a_success_has_nothing_to_explain(
     kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
