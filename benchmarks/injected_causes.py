@@ -1,4 +1,4 @@
-"""Injected causes of failures: those of the development, and those that judge ``cb why``.
+"""Injected causes of failures, for the development and the judgement of ``cb why``.
 
 Both sets have causes that are on the list of ``cb why``, and others. They share neither programs
 nor, among the others, mechanisms.

@@ -244,7 +244,7 @@ def _moved(history: History) -> Iterator[FailureCause]:
             continue
         distances = np.linalg.norm((values - values[known[-1]])[:, :2], axis=1)
         beyond = np.flatnonzero(np.nan_to_num(distances[touched[0] :]) > _MOVED)
-        # What moves later than a touch moves for another reason.
+        # An object that moves later than a touch moves for another reason.
         moved = int(touched[0] + beyond[0]) if len(beyond) else history.last
         touched = touched[touched <= moved]
         if len(beyond) and touched[-1] > moved - history.ticks(_AFTER):

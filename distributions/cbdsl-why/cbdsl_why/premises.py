@@ -49,8 +49,8 @@ def doubts(history: History) -> list[Doubt]:
     finders = (
         _clock, _drives, _readings, _fingers, _overloads, _reversals, _views, _carries, _closings,
     )  # fmt: skip
-    found = [doubt for find in finders for doubt in find(history)]
-    return sorted(found, key=lambda each: each.tick)
+    contradictions = [doubt for find in finders for doubt in find(history)]
+    return sorted(contradictions, key=lambda each: each.tick)
 
 
 def _clock(history: History) -> Iterator[Doubt]:
@@ -70,10 +70,10 @@ def _drives(history: History) -> Iterator[Doubt]:
     A joint that stands still has a cause: ``not_followed``.
     """
     positions = history.recorded.arrays["positions"]
-    felt = set(history.cell_joints.values())
+    fingers = set(history.cell_joints.values())
     for joint, name in enumerate(history.summary["joints"]):
         late = (history.lags[:, joint] > _allowed(history, joint)) & ~history.touches
-        for first, last in spans(late) if joint not in felt else ():
+        for first, last in spans(late) if joint not in fingers else ():
             moved = float(np.ptp(positions[first : last + 1, joint]))
             if last - first >= history.ticks(_LASTS) and moved > _allowed(history, joint):
                 lag, unit = float(history.lags[first:last, joint].max()), history.unit(joint)
