@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import NamedTuple
 
 from cbdsl.extend.document import (
@@ -26,11 +25,15 @@ from cbdsl.extend.document import (
 from cbdsl.extend.source import TYPES
 from cbdsl_onnx import network
 from cbdsl_onnx.bounded import examine_bounded
+from cbdsl_onnx.lerobot_policy import digest_of_policy, examine_policy, is_policy
 from cbdsl_onnx.model_file import ModelFacts, ModelFileError, TensorFacts
 from cbdsl_onnx.network import InputSection, NetworkDocument, NormalisedSection
 from cbdsl_onnx.plan import SUBTRACTED, InputPlan, NetworkPlan, Normalisation, OutputPlan
 
 _ROUNDING = 1e-9
+# Facts of models that were examined last, by digest.
+_KEPT: dict[str, ModelFacts] = {}
+_MOST_KEPT = 16
 _SIZES = {"orientation": 9, "pose": 12}
 _FAULTS = {
     "format": network.UNREADABLE,
@@ -155,7 +158,10 @@ class _Check:
         document = self._document
         try:
             data = contents(document.path, document.most_bytes)
-            return _examined(digest_of_bytes(data), data)
+            if is_policy(document.path):
+                facts = examine_policy(document.path)
+                return _Model(digest_of_policy(document.path, data), facts)
+            return _examined(data)
         except OSError as error:
             reason = error.strerror or str(error)
             self._add(network.UNREADABLE, "file", file=document.file, reason=reason)
@@ -261,6 +267,12 @@ class _Check:
         )
 
 
-@lru_cache(maxsize=16)
-def _examined(sha256: str, data: bytes) -> _Model:
-    return _Model(sha256, examine_bounded(data))
+def _examined(data: bytes) -> _Model:
+    """Return the digest and the facts of a model, kept by its digest."""
+    sha256 = digest_of_bytes(data)
+    if sha256 not in _KEPT:
+        facts = examine_bounded(data)
+        if len(_KEPT) >= _MOST_KEPT:
+            del _KEPT[next(iter(_KEPT))]
+        _KEPT[sha256] = facts
+    return _Model(sha256, _KEPT[sha256])

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.extend.document import contents, digest_of_bytes
+from cbdsl_onnx.lerobot_policy import PolicySession, digest_of_policy, is_policy
 from cbdsl_onnx.model_file import load
 from cbdsl_onnx.network import NetworkDocument
 from cbdsl_onnx.plan import NetworkPlan
@@ -32,10 +33,13 @@ class Inference:
     """
 
     def __init__(self, plan: NetworkPlan) -> None:
-        data = contents(Path(plan.file), NetworkDocument.most_bytes)
-        if digest_of_bytes(data) != plan.sha256:
+        file = Path(plan.file)
+        data = contents(file, NetworkDocument.most_bytes)
+        digest = digest_of_policy(file, data) if is_policy(file) else digest_of_bytes(data)
+        if digest != plan.sha256:
             raise ValueError(f"{plan.file} has changed since it was checked")
-        self._session, self._output = load(data), plan.output.name
+        self._session = PolicySession(file) if is_policy(file) else load(data)
+        self._output = plan.output.name
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="network")
         self._request: Future[tuple[NDArray[Any], float]] | None = None
 
@@ -55,7 +59,7 @@ class Inference:
         """Return the output, and the processor time of its computation, s."""
         begun = time.thread_time()
         output = np.asarray(self._session.run([self._output], feeds, options)[0])
-        return output, time.thread_time() - begun
+        return output, time.thread_time() - begun + getattr(self._session, "elsewhere", 0.0)
 
     def receive(self, deadline: float) -> NDArray[Any] | None:
         """Return the output of the last request, or ``None`` if it is late or not finite.
@@ -85,3 +89,5 @@ class Inference:
         """Forget the request of an earlier episode."""
         if self._request is not None:
             self._options.terminate = True
+        if isinstance(self._session, PolicySession):
+            self._thread.submit(self._session.reset)

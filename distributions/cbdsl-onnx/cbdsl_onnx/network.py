@@ -74,7 +74,8 @@ class NetworkDocument(FileSection, Document):
     robot: Name
     """Robot of the signals."""
     file: Annotated[str, Field(min_length=1)]
-    """File of the model in the ONNX format, relative to the document's folder."""
+    """File of the model, relative to the document's folder: in the ONNX format, or
+    `model.safetensors` in the folder of a policy of LeRobot."""
     inputs: Annotated[dict[str, InputSection], Field(min_length=1)]
     """Inputs of the model by their names."""
     output: OutputSection
@@ -126,10 +127,11 @@ EXTERNAL = _entry(
 )
 REFUSED = _entry(
     "NET103",
-    "model that onnxruntime refuses",
-    "onnxruntime cannot run {file}: {reason}",
+    "model that cannot run",
+    "the model {file} cannot run: {reason}",
     "The model has an operator, a version of the operators or a type that this version of "
-    "onnxruntime does not know, or it fails on inputs of zeros. Export it for an older opset.",
+    "onnxruntime does not know, or it fails on inputs of zeros. Export it for an older opset. A "
+    "policy of LeRobot needs a Python that has lerobot, and no images.",
     _sample("unknown_operator"),
 )
 NOT_FINITE = _entry(
