@@ -93,8 +93,7 @@ def _fitting(
 ) -> dict[str, tuple[CheckedProgram, Mapping[str, str]]]:
     """Return the allocations that fit, with the values of their parameters, by name."""
     ordered = sorted(
-        allocations(path, session, values),
-        key=lambda each: not _is_default(each, path, session),
+        allocations(path, session, values), key=lambda each: not _is_default(each, path, session)
     )
     return {
         _name(each): (each.program, each.values) for each in ordered if each.program is not None

@@ -40,9 +40,7 @@ from cbdsl.yaml_text.loaded import Loaded
 
 
 def check_program(
-    path_or_name: str | Path,
-    with_: Mapping[str, str] | None = None,
-    library: Library | None = None,
+    path_or_name: str | Path, with_: Mapping[str, str] | None = None, library: Library | None = None
 ) -> CheckedProgram:
     """Check a program and all documents it refers to.
 

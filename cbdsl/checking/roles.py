@@ -286,10 +286,7 @@ def on_robot(
 
 
 def _unstated(
-    loaded: Loaded[ProgramDocument],
-    bound: ProgramDocument,
-    robot: CheckedRobot,
-    session: Session,
+    loaded: Loaded[ProgramDocument], bound: ProgramDocument, robot: CheckedRobot, session: Session
 ) -> str:
     """Return which value a robot lacks that another robot at hand states; empty if none."""
     effectors = robot.document.effectors

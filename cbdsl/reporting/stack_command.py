@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 # Programs by number of stacked objects, and their parameters for the channels, from below.
-_PROGRAMS = {
-    2: ("stand", ("goal", "feature")),
-    3: ("stack_three", ("goal", "middle", "feature")),
-}
+_PROGRAMS = {2: ("stand", ("goal", "feature")), 3: ("stack_three", ("goal", "middle", "feature"))}
 
 
 def stack_command(channels: Sequence[str]) -> str | None:

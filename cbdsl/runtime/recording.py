@@ -227,8 +227,7 @@ class Recording(EpisodeObserver):
         arrays_file, summary_file = RecordingFolder(directory).files(result.seed)
         arrays = self._arrays()
         replace_file(
-            arrays_file,
-            lambda file: np.savez_compressed(file, allow_pickle=False, **arrays),
+            arrays_file, lambda file: np.savez_compressed(file, allow_pickle=False, **arrays)
         )
         text = json.dumps(self._summary(result), indent=1, ensure_ascii=False)
         write_text(text, summary_file)

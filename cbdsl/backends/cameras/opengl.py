@@ -155,10 +155,7 @@ class OpenGLRenderer:
         rows = np.zeros((len(parts), 19), dtype=np.float32)
         rows[:, 16:] = [part.color for _, part in parts]
         buffer = self._context.buffer(rows.tobytes())
-        layout = [
-            (own, "3f 3f", "corner", "normal"),
-            (buffer, _INSTANCE, *_COLUMNS),
-        ]
+        layout = [(own, "3f 3f", "corner", "normal"), (buffer, _INSTANCE, *_COLUMNS)]
         return _Instances(
             self._context.vertex_array(self._program, layout),
             buffer,

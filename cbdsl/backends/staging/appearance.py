@@ -24,10 +24,7 @@ _BLACK = (0.0, 0.0, 0.0)
 _CENTRE, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 _NORMALS = {"-x": (-1, 0, 0), "+x": (1, 0, 0), "-y": (0, -1, 0), "+y": (0, 1, 0)}
 #: Rotations that lay a cylinder, which stands along z, along x or y.
-LYING = {
-    "x": UrdfOrigin(rpy=(0.0, math.pi / 2, 0.0)),
-    "y": UrdfOrigin(rpy=(math.pi / 2, 0.0, 0.0)),
-}
+LYING = {"x": UrdfOrigin(rpy=(0.0, math.pi / 2, 0.0)), "y": UrdfOrigin(rpy=(math.pi / 2, 0.0, 0.0))}
 
 
 def parts_of(item: SceneObject) -> list[Part]:

@@ -56,10 +56,7 @@ def fill_axes(
 
 
 def check_axes(
-    context: ProgramContext,
-    steps: Steps,
-    document: written.ControllerSection,
-    feedback: Resource,
+    context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
 ) -> bool:
     """Return whether a controller's axes make sense for its feedback, and report the errors."""
     axes = document.axes

@@ -24,11 +24,7 @@ from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents import program as written
-from cbdsl.program.controller import (
-    Controller,
-    Field,
-    Reference,
-)
+from cbdsl.program.controller import Controller, Field, Reference
 from cbdsl.robot.resources import configuration_of
 from cbdsl.types.modifier import declared
 from cbdsl.types.potential import POTENTIALS, PotentialType
@@ -54,10 +50,7 @@ def check_triple(
 
 class _Triple:
     def __init__(
-        self,
-        context: ProgramContext,
-        name: str,
-        document: written.ControllerSection,
+        self, context: ProgramContext, name: str, document: written.ControllerSection
     ) -> None:
         self._context = context
         self._steps: Steps = ("controllers", name)

@@ -58,10 +58,7 @@ def check_suspicious(
 
 class _ControllerCheck:
     def __init__(
-        self,
-        context: ProgramContext,
-        document: written.ControllerSection,
-        controller: Controller,
+        self, context: ProgramContext, document: written.ControllerSection, controller: Controller
     ) -> None:
         self._context = context
         self._steps = ("controllers", controller.name)

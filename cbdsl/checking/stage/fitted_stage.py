@@ -20,10 +20,7 @@ class UnfitStageError(ValueError):
 
 
 def fitted_stage(
-    loaded: Loaded[StageDocument],
-    robot: RobotDocument,
-    file: Path,
-    parts: Collection[str] = (),
+    loaded: Loaded[StageDocument], robot: RobotDocument, file: Path, parts: Collection[str] = ()
 ) -> StageDocument:
     """Return a stage in metres before a robot; a stage of one robot as it is.
 

@@ -6,13 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.control.plan import ControllerPlan
-from cbdsl.program.controller import (
-    AlongNormals,
-    Composition,
-    Controller,
-    Primitive,
-    Relative,
-)
+from cbdsl.program.controller import AlongNormals, Composition, Controller, Primitive, Relative
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Resource
