@@ -13,12 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cbdsl.api.check import check
     from cbdsl.api.evaluate import SuccessRate, evaluate
-    from cbdsl.api.explore import (
-        ExplorationOutcome,
-        PairExplorationOutcome,
-        explore,
-        explore_pairs,
-    )
+    from cbdsl.api.explore import ExplorationOutcome, PairExplorationOutcome, explore, explore_pairs
     from cbdsl.api.learn import LearningOutcome, learn, learn_trials
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import OpenRobot, open_robot

@@ -68,17 +68,8 @@ def _result(diagnostic: Diagnostic, codes: Sequence[str]) -> dict[str, Any]:
 
 
 def _location(place: Place) -> dict[str, Any]:
-    region = {
-        "startLine": place.line,
-        "startColumn": place.column,
-        "endColumn": place.end_column,
-    }
-    return {
-        "physicalLocation": {
-            "artifactLocation": {"uri": _uri(place.file)},
-            "region": region,
-        }
-    }
+    region = {"startLine": place.line, "startColumn": place.column, "endColumn": place.end_column}
+    return {"physicalLocation": {"artifactLocation": {"uri": _uri(place.file)}, "region": region}}
 
 
 def _uri(file: str) -> str:

@@ -119,12 +119,7 @@ class Journal(Generic[Row]):
     """
 
     def __init__(
-        self,
-        path: Path,
-        identity: Mapping[str, Any],
-        form: RowForm[Row],
-        *,
-        varying: bool = False,
+        self, path: Path, identity: Mapping[str, Any], form: RowForm[Row], *, varying: bool = False
     ) -> None:
         self.path, self._form = path, form
         # The file is opened without truncation, because it may only be changed under its lock.

@@ -112,7 +112,6 @@ def named(value: Any) -> list[str]:
     """Return the names ``part.name`` in all texts of a value of a document."""
     names: list[str] = []
     replaced(
-        value,
-        lambda text: names.extend(f"{m[1]}{m[2]}" for m in _PART.finditer(text) if m[2]),
+        value, lambda text: names.extend(f"{m[1]}{m[2]}" for m in _PART.finditer(text) if m[2])
     )
     return names

@@ -7,15 +7,7 @@ from enum import Enum, auto
 from typing import Any, NamedTuple, TypeVar
 
 from cbdsl.types import resource as sources
-from cbdsl.types.casts import (
-    CAMERA,
-    RIGID_HOLD,
-    SIGHTING,
-    SIZE_TURN,
-    TRIANGULATION,
-    Chain,
-    chains,
-)
+from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, SIZE_TURN, TRIANGULATION, Chain, chains
 from cbdsl.types.resource import Resource, Source
 from cbdsl.types.resource_type import FORCE, HEADING, POSITION, configuration
 
