@@ -40,17 +40,24 @@ class NearLinks(NamedTuple):
     distance: float
 
 
+class _Owner(NamedTuple):
+    """Link or place of a shape."""
+
+    name: str
+    is_place: bool = False
+
+
 class LinkClearance:
     """Distances between the links of a robot, of all pairs that can keep a clearance.
 
     Pairs whose links at most one joint moves against each other are left out, or joints of a hand
     alone. So are links that the document lets touch, and those nearer in each of 100 postures.
-    Links keep the same distance from the places that the document names.
+    Links keep the same distance from the places that the document names. Places may have the
+    names of links.
 
     Attributes:
         arrays: Shapes and pairs in the form of compiled code.
         names: Names of the links of each pair.
-        owners: Name of the link or place of each shape.
         joints: Joints of the robot.
 
     Args:
@@ -81,15 +88,15 @@ class LinkClearance:
         tree = LinkTree(model, joints, robot.base)
         stated, shapes = robot.clearance, dict(link_shapes(model))
         shapes |= {link: tuple(map(_stated, each)) for link, each in stated.shapes.items()}
-        own = [(link, each) for link in tree.rows for each in shapes.get(link, ())]
-        own += [(name, _stated(each)) for name, each in stated.keep_out.items()]
-        owners = self.owners = [link for link, _ in own]
+        own = [(_Owner(link), each) for link in tree.rows for each in shapes.get(link, ())]
+        places = stated.keep_out.items()
+        own += [(_Owner(name, is_place=True), _stated(each)) for name, each in places]
+        owners = self._owners = [owner for owner, _ in own]
         # The frame of the base, which is the world's, carries the places to keep out of.
-        records, offsets = _records(
-            [each for _, each in own], [tree.rows.get(at, 0) for at in owners]
-        )
+        frames = [0 if owner.is_place else tree.rows[owner.name] for owner in owners]
+        records, offsets = _records([each for _, each in own], frames)
         movable = self._movable_pairs(list(dict.fromkeys(owners)))
-        apart = {pair for pair in movable if counts(*pair)}
+        apart = {(one, other) for one, other in movable if counts(one.name, other.name)}
         chosen = [
             (first, second)
             for first, second in combinations(range(len(own)), 2)
@@ -104,7 +111,7 @@ class LinkClearance:
         )  # fmt: skip
         self._keep(~self._always_near())
         self.names = tuple(
-            (owners[first], owners[second])
+            (owners[first].name, owners[second].name)
             for first, second in self.arrays.pairs[["first", "second"]].tolist()
         )
 
@@ -120,8 +127,7 @@ class LinkClearance:
 
     def place(self, name: str, centre: Floats, radius: float) -> None:
         """Move a ball to keep out of to a place in the world frame, m, shape (3,)."""
-        # Places follow the links, of which one may have the same name.
-        shape, arrays = len(self.owners) - 1 - self.owners[::-1].index(name), self.arrays
+        shape, arrays = self._owners.index(_Owner(name, is_place=True)), self.arrays
         record = arrays.shapes[shape]
         record["centre"], record["radius"], record["reach"] = centre, radius, radius
         arrays.offsets[record["span"][0]] = centre
@@ -166,21 +172,21 @@ class LinkClearance:
             near &= self.arrays.pairs["distance"] < self.arrays.bounds[0]
         return near
 
-    def _movable_pairs(self, links: Sequence[str]) -> Iterator[tuple[str, str]]:
-        """Yield the pairs of links that may come near each other, and must not."""
+    def _movable_pairs(self, owners: Sequence[_Owner]) -> Iterator[tuple[_Owner, _Owner]]:
+        """Yield the pairs of links and places that may come near each other, and must not."""
+        links = [owner for owner in owners if not owner.is_place]
         together = [
-            {link for link in links if any(is_named(link, pattern) for pattern in group)}
+            {owner for owner in links if any(is_named(owner.name, pattern) for pattern in group)}
             for group in (*self._robot.simulation.no_contact, *self._robot.clearance.ignore)
         ]
-        places = self._robot.clearance.keep_out
-        ways = {link: self._turning(link) for link in links}
+        ways = {owner: self._turning(owner) for owner in owners}
         hands = [
             frozenset(each.joints) for each in self._robot.effectors.values() if each.tip is None
         ]
-        for one, other in combinations(links, 2):
+        for one, other in combinations(owners, 2):
             between = ways[one] ^ ways[other]
             leaders = frozenset(map(self._leader, between))
-            is_place = one in places or other in places
+            is_place = one.is_place or other.is_place
             if (
                 len(between) > 1 - is_place
                 and (is_place or not any(leaders <= hand for hand in hands))
@@ -188,9 +194,10 @@ class LinkClearance:
             ):
                 yield one, other
 
-    def _turning(self, link: str) -> frozenset[str]:
-        """Return the joints that move a link, actuated or passive."""
-        return frozenset(j.name for j in self._model.way(link) if j.name in self.joints.index)
+    def _turning(self, owner: _Owner) -> frozenset[str]:
+        """Return the joints that move a link, actuated or passive; none for a place."""
+        way = () if owner.is_place else self._model.way(owner.name)
+        return frozenset(joint.name for joint in way if joint.name in self.joints.index)
 
     def _leader(self, joint: str) -> str:
         couplings = self._robot.couplings

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import ClearanceSection, HullSection, RobotDocument
-from cbdsl.kinematics.link_clearance import LinkClearance, too_near_at_start
+from cbdsl.kinematics.link_clearance import LinkClearance, too_near_at_start, with_places
 from cbdsl.kinematics.link_shapes import link_shapes
 from cbdsl.kinematics.self_contacts import SelfContacts
 from cbdsl.numeric.arrays import Floats
@@ -128,3 +128,21 @@ def test_clearance_without_pairs_of_links_is_a_finding(
     bare = dict.fromkeys(model.bodies, ())
     robot = dexter.model_copy(update={"clearance": ClearanceSection(shapes=bare)})
     assert "no two links" in too_near_at_start(robot, model, LEAST)
+
+
+@pytest.mark.parametrize("name", ["right_palm", "torso", "left_camera"])
+def test_place_named_like_a_link_is_a_place_of_the_world(
+    dexter: RobotDocument, model: UrdfModel, name: str
+) -> None:
+    ball = HullSection(points=((0.5, -0.3, 0.1),), radius=0.05)
+    first, links = (
+        LinkClearance(with_places(dexter, {place: ball}), model, LEAST, NEAR)
+        for place in ("ball", name)
+    )
+    assert any("ball" in pair for pair in first.names)
+    for posture in moved(first, 120)[::40]:
+        first.measure(posture)
+        links.measure(posture)
+        pairs, same = links.arrays.pairs, first.arrays.pairs
+        for key in ("first", "second", "near", "distance"):
+            np.testing.assert_array_equal(pairs[key], same[key])
