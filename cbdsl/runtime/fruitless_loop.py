@@ -12,10 +12,11 @@ from cbdsl.program.checked import CheckedProgram, resources_of
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Origin
 
-# A loop has at most this many transitions, and this time, s, for a round. A slower round contains
-# an action that waits, by its quiescence or its limit of time, for an event that may come.
-_LONGEST, _ROUND = 8, 1.0
-# Time for which nothing has to change, s: images may lack an object for a moment.
+# A loop has at most this many transitions, and this time, s, for each. A slower action waits, by
+# its quiescence or its limit of time, for an event that may come.
+_LONGEST, _ACTION = 8, 1.0
+# Time for which nothing has to change, s, and at least a round: images may lack an object for a
+# moment.
 _PATIENCE = 3.0
 # Changes that count, by the unit of a signal; they exceed the noise of joints and load cells.
 _CHANGES = {"m": 2e-3, "rad": 1e-2, "N": 0.5, "Nm": 0.05}
@@ -84,23 +85,26 @@ class FruitlessLoop:
         """
         time = self._signals.time
         self._passed = [*self._passed[-2 * _LONGEST :], (time, action, state)]
-        loop = self._loop()
-        if not loop:
+        size = self._loop()
+        if not size:
             self._still = None
             return ""
         values = self._values()
         if self._still is None or not self._is_same(values, self._still.values):
             self._still = _Still(time, values)
         passed = time - self._still.time
-        return "" if passed < _PATIENCE else self._clause(loop, passed, values)
+        if passed < max(_PATIENCE, time - self._passed[-1 - size][0]):
+            return ""
+        loop = dict.fromkeys(action for _, action, _ in self._passed[-size:])
+        return self._clause(tuple(loop), passed, values)
 
-    def _loop(self) -> Sequence[str]:
-        """Return the actions of a quick loop whose last two rounds are the same; empty if none."""
+    def _loop(self) -> int:
+        """Return the length of a loop of quick actions whose last two rounds are the same, or 0."""
         times, done = [each[0] for each in self._passed], [each[1:] for each in self._passed]
         size, _ = last_rounds(done, _LONGEST, 2)
-        if not size or len(done) <= 2 * size or times[-1] - times[-1 - size] > _ROUND:
-            return ()
-        return tuple(dict.fromkeys(action for action, _ in done[-size:]))
+        if not size or len(done) <= 2 * size:
+            return 0
+        return size if max(np.diff(times[-1 - size :])) <= _ACTION else 0
 
     def _values(self) -> list[Floats | None]:
         """Return the joint positions, rad and m, and the value of each signal in SI units."""

@@ -94,6 +94,25 @@ def test_loop_ends_only_after_the_last_change_of_a_signal(written: Written, kind
     assert ended == pytest.approx(last + 3.0, abs=0.31)
 
 
+@pytest.mark.parametrize("time", [0.2, 0.5, 0.9, 1.2])
+@pytest.mark.parametrize("size", [2, 3, 8])
+def test_loop_of_quick_actions_ends_after_a_round_and_one_that_waits_goes_on(
+    written: Written, size: int, time: float
+) -> None:
+    signals, ended = Measured(), 0.0
+    loop = FruitlessLoop(program_of(written, STAY, POSITIONAL), signals)  # type: ignore[arg-type]
+    for number in range(100):
+        signals.time = time * number
+        if loop.note(f"action {number % size}", "1X"):
+            ended = signals.time
+            break
+    if time > 1.0:
+        assert not ended
+    else:
+        least = 2 * size * time + max(3.0, size * time)
+        assert least - 1e-6 <= ended <= least + 2 * time
+
+
 class MeasuredObject(Measured):
     """Signals of which only those of an object change."""
 
