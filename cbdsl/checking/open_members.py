@@ -126,7 +126,7 @@ class MemberExchange:
             return
         on = {ROBOT: program.robot} if document.roles else {}
         given = _given(program, member)
-        shared = {key: given[key] for key in document.parameters if key in given}
+        shared = {key: given[key] for key in document.assignable if key in given}
         effectors = self._effectors(document.robot)
         seen = {key: value for key, value in shared.items() if value not in effectors}
         # A substitute keeps its own effectors if it fits with them. A transfer between hands, for

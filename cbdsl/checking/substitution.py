@@ -78,7 +78,7 @@ def stand_in(
     """
     file = session.library.find(ProgramDocument, name, path)
     document = session.library.read(path, ProgramDocument).document
-    own = {key: value for key, value in values.items() if key in document.parameters}
+    own = {key: value for key, value in values.items() if key in document.assignable}
     program = examine(path, own, Diagnostics())
     other = UNKNOWN if file is None else examined(file, document, values, session, examine)
     if isinstance(program, Unknown) or isinstance(other, Unknown):
@@ -109,7 +109,7 @@ def examined(
         return UNKNOWN
     on = {ROBOT: document.robot} if other.roles else {}
     given = {**document.parameters, **values}
-    shared = {key: given[key] for key in other.parameters if key in given}
+    shared = {key: given[key] for key in other.assignable if key in given}
     diagnostics = Diagnostics()
     program = examine(file, {**on, **shared}, diagnostics)
     return UNKNOWN if diagnostics.failed else program

@@ -13,7 +13,14 @@ from tests.editor.client import Client
 
 pytest.importorskip("pygls")
 
-TEXT = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
+# As a program of one robot.
+TEXT = (
+    (ROOT / "programs" / "searchtrack.yaml")
+    .read_text("utf-8")
+    .replace("roles: {eyes: stereo heading}", "robot: dexter")
+    .replace("stages: [over_bench]\n", "")
+    .replace("$eyes", "head")
+)
 WRONG = TEXT.replace("potential: spring", "potential: sprung", 1)
 
 

@@ -45,7 +45,7 @@ def test_unrewarded_program_is_no_substitute(checked: Checked) -> None:
 
 def test_a_renamed_file_is_found(tmp_path: Path) -> None:
     text = (ROOT / "programs" / "tactileprobe.yaml").read_text(encoding="utf-8")
-    other = text.replace("tactileprobe", "palpate").replace("touch", "press")
+    other = text.replace("tactileprobe", "palpate").replace(" touch", " press")
     (tmp_path / "palpate.yaml").write_text(other, encoding="utf-8")
     source = (ROOT / "programs" / "reachtouch.yaml").read_text(encoding="utf-8")
     path = tmp_path / "reachtouch.yaml"
