@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.bench import Bench, bench
+from cbdsl.robot.link_place import PLACING
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.robot_xml import robot_text
+from cbdsl.robot.semantic_groups import SemanticGroup
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.scaffold.model_source import localized, with_origin
+from cbdsl.scaffold.proposed_effector import values_lines
+from cbdsl.scaffold.tip_link import hand_corners, working_frame
 from cbdsl.storage.atomic_file import write_text
 from cbdsl.yaml_text.library import Library
 
 # Places of the cameras in parts of the reach: beyond the bench's centre, to either side, above.
 _BEYOND, _APART, _ABOVE = 0.7, 0.2, 0.7
+Pose = tuple[str, str]
+"""Position, and roll, pitch and yaw, as URDF writes them."""
+
 # Line of a proposed document that the cameras replace.
 _HINT = (
     "# Add load_cells, cameras and vision for perception; cb schema robot describes their keys.\n"
@@ -54,16 +65,43 @@ def add_eyes(file: Path) -> Path:
     before = bench(robot, file)
     for side, name in ((-1.0, "left_camera"), (1.0, "right_camera")):
         _add(root, name, robot.base, _pose(before, side))
+    tips = dict(_tips(robot, read_urdf(model)))
+    for name, (link, frame) in tips.items():
+        _add(root, f"{name}_tip", link, frame)
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode")
     write_text(with_origin(text, f"From {robot.model}, with cameras."), target)
     lines = file.read_text("utf-8").splitlines(keepends=True)
     written = [f"model: {target.name}\n" if line.startswith("model: ") else line for line in lines]
-    write_text("".join(written).replace(_HINT, _CAMERAS), file)
+    document = "".join(written).replace(_HINT, _CAMERAS)
+    for name in tips:
+        document = _with_tip(document, name, robot, read_urdf(target))
+    write_text(document, file)
     return target
 
 
-def _pose(before: Bench, side: float) -> tuple[str, str]:
+def _tips(robot: RobotDocument, model: UrdfModel) -> Iterator[tuple[str, tuple[str, Pose]]]:
+    """Yield the arms whose tip is not where their hand works, with its link and that frame."""
+    for name, arm in robot.effectors.items():
+        if arm.tip is not None and len(arm.joints) >= PLACING:
+            points = hand_corners(model, model.joints[arm.joints[-1]].child, arm.tip.link)
+            frame = working_frame(points, arm.tip.offset)
+            if frame is not None:
+                place, turn = (" ".join(f"{each:.9g}" for each in frame[i : i + 3]) for i in (0, 3))
+                yield name, (arm.tip.link, (place, turn))
+
+
+def _with_tip(document: str, name: str, robot: RobotDocument, model: UrdfModel) -> str:
+    """Return a proposed document with the added link as the tip of an effector."""
+    link, joints = f"{name}_tip", [model.joints[each] for each in robot.effectors[name].joints]
+    arm = SemanticGroup(tuple(joints), link, {})
+    values = values_lines(model, arm, (0.0, 0.0, 0.0), None)[-1].strip()
+    before, head, rest = document.partition(f"\n  {name}:\n")
+    rest = re.sub(r"(?m)^    tip: .*$", f"    tip: {{link: {link}}}", rest, count=1)
+    return before + head + re.sub(r"(?m)^    values: .*$", f"    {values}", rest, count=1)
+
+
+def _pose(before: Bench, side: float) -> Pose:
     """Return a camera's position and its roll, pitch and yaw, as URDF writes them."""
     x, y, z = before.position
     away = math.hypot(x, y)
@@ -75,7 +113,7 @@ def _pose(before: Bench, side: float) -> tuple[str, str]:
     return f"{x + east:.4f} {y + north:.4f} {z + above:.4f}", f"0 {pitch:.6f} {yaw:.6f}"
 
 
-def _add(root: ElementTree.Element, name: str, base: str, pose: tuple[str, str]) -> None:
+def _add(root: ElementTree.Element, name: str, base: str, pose: Pose) -> None:
     """Add a link without shape on a fixed joint."""
     inertial = ElementTree.SubElement(ElementTree.SubElement(root, "link", name=name), "inertial")
     ElementTree.SubElement(inertial, "mass", value="0")

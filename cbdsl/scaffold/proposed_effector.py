@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-import numpy as np
-
 from cbdsl.diagnostics.legible_text import legible
-from cbdsl.kinematics.joint_tree import JointTree
 from cbdsl.kinematics.ready_posture import ReadyPosture
 from cbdsl.robot.link_place import PLACING, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup
-from cbdsl.robot.tip_frame import is_acting, shape_corners, tip_offset
-from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel
+from cbdsl.robot.tip_frame import is_acting, tip_offset
+from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel
 from cbdsl.scaffold.document_template import scalar
 from cbdsl.scaffold.hand import ProposedHand
 from cbdsl.scaffold.start_contacts import Postures
+from cbdsl.scaffold.tip_link import hand_corners
 
 # Distances of a tip before a thing, in parts of the limb's length.
 _BEFORE = (0.02, 0.15)
@@ -101,20 +99,8 @@ def _beyond_tip(model: UrdfModel, arm: SemanticGroup, offset: Numbers) -> float:
     along another axis, with half of its width along z.
     """
     assert arm.tip is not None
-    carried = arm.joints[-1].child
-    links = [carried, *(joint.child for joint in model.beyond(carried))]
-    frames = JointTree(joint for root in model.roots for joint in model.beyond(root))
-    placed = frames.place(model.rests)
-    tip = placed[arm.tip].child
-    try:
-        heights = [
-            tip.rotation[:, 2] @ (at.position + at.rotation @ np.array(corner) - tip.position)
-            for at, link in ((placed[link].child, link) for link in links)
-            for corner in shape_corners(model, link)
-        ]
-    except UrdfError:
-        return 0.0  # the document gets a diagnostic for it
-    return max(0.0, float(max(heights, default=0.0)) - offset[2])
+    corners = hand_corners(model, arm.joints[-1].child, arm.tip)
+    return max(0.0, float(corners[1:, 2].max(initial=0.0)) - offset[2])
 
 
 def effector_lines(

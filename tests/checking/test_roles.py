@@ -184,10 +184,11 @@ def test_reach_is_one_program_for_each_robot(robot: str) -> None:
     checked = check_program("reach", {"robot": robot})
     (search,) = (each.program for each in checked.actions if each.program is not None)
     (reach,) = (each.composition for each in checked.actions if each.name == "reach")
-    standoff = reach.primitives[0].controllers[0].standoff if reach is not None else None
+    assert reach is not None
+    (standoff,) = (each.standoff for each in reach.controllers if each.standoff is not None)
     document = Library().read(Path("robots", f"{robot}.yaml"), RobotDocument).document
     stated = document.effectors[checked.parameters["arm"]].values["gap"]
-    assert standoff is not None and standoff.clearance == read_quantity(stated, ("length",))
+    assert standoff.clearance == read_quantity(stated, ("length",))
     # Only a head looks around.
     assert search.name == ("searchtrack" if "head" in document.effectors else "see")
     assert checked.stage == ("table_right" if robot == "dexter" else "over_bench")
@@ -198,7 +199,7 @@ def test_reach_is_one_program_for_each_robot(robot: str) -> None:
     [
         ("", "states no value 'gap' of 'arm'.*it states none"),
         ("values: {gapp: 1 cm}", "'gap' of 'arm'.*did you mean 'gapp'"),
-        ("values: {gap: 1 N}", "does not suit controllers.reach.standoff.clearance"),
+        ("values: {gap: 1 N}", "does not suit controllers.approach.standoff.clearance"),
     ],
 )
 def test_value_that_the_robot_lacks_is_one_finding(
