@@ -19,9 +19,9 @@ Ball = tuple[Floats, float]
 
 # An occluded object lies at most this far behind the hand that occludes it, m.
 _BEHIND_HAND = 0.1
-# The surfaces of fingertips that touch a box are at least 0.58 radii from its middle, at its faces.
-# Within this share of the radius, and without contact, they have closed on air.
-_INSIDE = 0.5
+# Round fingertips that touch an object are about a radius from its middle, and flat pads on the
+# faces of a box at least 0.58 radii. Within these shares, without contact, they have closed on air.
+_INSIDE, _PADS_INSIDE = 0.75, 0.5
 
 
 class FieldOfView:
@@ -44,7 +44,8 @@ class FieldOfView:
         tips = [each.tip.link for each in robot.effectors.values() if each.tip is not None]
         hands = robot.load_cells.values()
         fingers = [[cell.link for cell in hand.values()] for hand in hands]
-        self._tips = [max(cell.radius for cell in hand.values()) for hand in hands]
+        are_round = [all(cell.radius > 0.0 for cell in hand.values()) for hand in hands]
+        self._shares = [_INSIDE if each else _PADS_INSIDE for each in are_round]
         self._hand_links = (*tips, *(link for hand in fingers for link in hand))
         ends = np.cumsum([len(self._wrists) + len(tips), *map(len, fingers)]).tolist()
         #: Slices of the occluding points that are a hand's fingertips, by hand.
@@ -128,8 +129,8 @@ class FieldOfView:
         if self._hands is None:
             return False
         return any(
-            _are_within(self._hands[fingers], position, _INSIDE * radius + tip)
-            for fingers, tip in zip(self._fingers, self._tips, strict=True)
+            _are_within(self._hands[fingers], position, share * radius)
+            for fingers, share in zip(self._fingers, self._shares, strict=True)
         )
 
 
