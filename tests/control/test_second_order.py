@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from cbdsl.control.basis import Basis, empty_basis, pin_joints, span
+from cbdsl.control.basis import Basis, empty_basis, pin_joints, resist, span
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
 from cbdsl.control.second_order import (
@@ -465,3 +465,74 @@ def test_level_that_searches_leaves_a_saddle_by_the_way_that_it_requests() -> No
     ]
     assert steps[0].any()
     np.testing.assert_array_equal(*steps)
+
+
+@pytest.mark.parametrize(
+    ("value", "lever", "longest"), [(2.0, 0.5, 2.0), (0.5, 1.5, 1.5), (0.0, 0.0, 0.04)]
+)
+def test_step_down_a_curvature_is_as_short_as_the_longest_row_needs(
+    value: float, lever: float, longest: float
+) -> None:
+    """Rows shorter than the threshold of the damping count as long as it."""
+    guards, values = np.array([0.01, 0.04, 1.0]), np.full(int(value > 0.0), value)
+    way, curvature = Way(0.005, 0.1, 0.05, lever), np.diag([0.0, -0.02])
+    step, _ = step_of(curvature, values, 0.0 * values, guards, way)
+    np.testing.assert_allclose(np.abs(step), [0.0, 0.005 / longest])
+
+
+@pytest.mark.parametrize("steep", [(0.6, -0.8), (-0.6, 0.8), (0.8, -0.6), (1.0, -1.0), (-1.0, 1.0)])
+def test_step_down_a_curvature_without_a_pull_goes_to_the_side_of_its_largest_part(
+    steep: tuple[float, float],
+) -> None:
+    """The first one of equal parts counts, so that rounding does not choose the side."""
+    guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05, 0.5)
+    curvature = -0.02 * np.outer(steep, steep)
+    step, _ = step_of(curvature, np.full(2, 0.01), np.zeros(2), guards, way)
+    assert step[int(abs(steep[1]) > abs(steep[0]))] > 0.0
+
+
+@pytest.mark.parametrize("steeper", [1, 2])
+def test_step_down_a_curvature_takes_the_direction_that_gains_most(steeper: int) -> None:
+    guards, way, bends = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05, 0.5), np.full(3, -0.02)
+    bends[0], bends[steeper] = 0.0, -0.03
+    step, resisted = step_of(np.diag(bends), np.array([0.5]), np.zeros(1), guards, way)
+    np.testing.assert_array_equal(np.flatnonzero(step), [steeper])
+    np.testing.assert_array_equal(np.flatnonzero(resisted), [steeper])
+
+
+def test_level_that_requests_nothing_leaves_no_saddle() -> None:
+    guards, curvature = np.array([0.01, 0.04, 1.0]), np.diag([0.0, -0.02])
+    step, resisted = step_of(curvature, np.ones(1), np.zeros(1), guards, Way(0.0, 0.1, 0.05, 1.0))
+    assert not step.any() and len(resisted) == 0
+
+
+@njit
+def resist_of(resisted: Floats, taken: int, least: float, before: int) -> int:
+    basis = empty_basis(resisted.shape[1], 1)
+    basis.directions[:] = np.eye(resisted.shape[1])
+    return resist(resisted, basis, taken, least, before) - taken
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "before", "withheld"),
+    [(0.4, 1, 0), (0.6, 0, 0), (0.6, 1, 1), (1.9, 0, 0), (2.1, 0, 1), (2.1, 1, 1)],
+)
+def test_direction_is_withheld_from_twice_the_least_stiffness_down_to_half(
+    stiffness: float, before: int, withheld: int
+) -> None:
+    resisted = np.sqrt(stiffness * 1e-3) * np.eye(4)[2:3]
+    assert resist_of(resisted.copy(), 1, 1e-3, before) == withheld
+    assert resist_of(resisted.copy(), 3, 1e-3, before) == 0  # a level above takes it
+
+
+def test_level_that_begins_to_act_withholds_nothing_by_earlier_ticks() -> None:
+    """A count of directions that is left from an earlier action would withhold a weak one."""
+    task = Level("p", np.zeros((1, 3)), np.array([0.01]), np.zeros((1, 3, 3)), 0.5)
+    task.hessian[0, 1, 1] = -1.3 * 1e-3  # type: ignore[index]
+    rest, bound, kept = Level("q", np.eye(3), np.full(3, 0.1)), np.full(3, 1e3), []
+    for age in (1, 3):
+        stack = Stack.of([task, rest], 3)
+        stack.arrays.withheld[0], stack.arrays.ages[0] = 1, age
+        Law(-bound, bound, LawSettings(1e3)).compose(stack, np.zeros(3))
+        kept.append(int(stack.arrays.withheld[0]))
+    assert kept == [0, 1]
