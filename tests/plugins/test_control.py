@@ -168,6 +168,11 @@ def test_sensor_is_read(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     watched += "     effector: right_arm}\n"
     (here / "own.yaml").write_text(
         program.replace("name: tactileprobe", "name: own")
+        .replace(
+            "roles: {hand: effector of force}", "robot: dexter\nparameters: {hand: right_hand}"
+        )
+        .replace("stages: [cube_on_bench]\n", "")
+        .replace("$hand.touch", "2 N")
         .replace("controllers:\n", "controllers:\n" + watched)
         .replace("actions: [", "actions: [yield, ", 1)
         .replace('"**":', '"***":'),
