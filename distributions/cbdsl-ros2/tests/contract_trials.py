@@ -340,8 +340,7 @@ class Trial:
         if words[1] == "serve":
             words += ("--backend", "kinematic", "--trace", str(self._trace))
             if self._name in _INJECTED:
-                # The program has begun by then, on a busy computer too, and the arm moves most of the
-                # time.
+                # A program on a busy computer has begun by then, and the arm moves mostly.
                 self._later = float(self._rng.uniform(25.0, 30.0))
                 words += ("--fault", f"{self._name}@{self._later:.2f}")
         if words[0] == "run":
