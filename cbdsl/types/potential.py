@@ -84,6 +84,11 @@ class PotentialType(NamedTuple):
 
 _MET, _ROBOT, _NOT_MET = Condition.MET, Condition.ROBOT, Condition.NOT_MET
 
+_SPRING_TYPES = frozenset({
+    "configuration", "position", "orientation", "pose", "heading", "force", "torque", "wrench",
+    "constellation", "offset", "length",
+})  # fmt: skip
+
 # Navigation functions (Section 3.1) are analytic, polar, admissible and Morse. The gradient flow of
 # such a function ends at its only minimum, with bounded commands. Springs and ranges meet all four
 # conditions on their domains. The gradient of a harmonic function is not fit as a command; control
@@ -96,21 +101,7 @@ _BUILT_IN = (
         "spring",
         "φ_s",
         "Eq 3.1",
-        frozenset(
-            {
-                "configuration",
-                "position",
-                "orientation",
-                "pose",
-                "heading",
-                "force",
-                "torque",
-                "wrench",
-                "constellation",
-                "offset",
-                "length",
-            }
-        ),
+        _SPRING_TYPES,
         reference=True,
         zero_minimum=True,
         residual=True,

@@ -114,24 +114,7 @@ TYPES: dict[str, ResourceType] = {
     kind.name: kind
     for kind in (
         ResourceType("configuration", "C_n", 0, ANGLE_OR_LENGTH),
-        WRENCH,
-        FORCE,
-        TORQUE,
-        HEADING,
-        POSE,
-        POSITION,
-        ORIENTATION,
-        VELOCITY,
-        VOLUME,
-        COUNT,
-        PROBABILITY,
-        HEADING_RATE,
-        EXTENT,
-        AXIS,
-        CONSTELLATION,
-        OFFSET,
-        LENGTH,
-        DISTANCE,
-        LIKENESS,
+        WRENCH, FORCE, TORQUE, HEADING, POSE, POSITION, ORIENTATION, VELOCITY, VOLUME, COUNT,
+        PROBABILITY, HEADING_RATE, EXTENT, AXIS, CONSTELLATION, OFFSET, LENGTH, DISTANCE, LIKENESS,
     )
-}
+}  # fmt: skip

@@ -194,18 +194,10 @@ class IdealCameras(CameraSystem):
         """Write the silhouettes of a scene's surfaces; return whether there is any."""
         return bool(
             silhouettes(
-                placed,
-                self._limbs.parts,
-                self._carriers,
-                self._engine.placements,
-                scene.targets,
-                scene.patches,
-                cameras,
-                self._rows,
-                self._lenses,
-                scene.shapes,
+                placed, self._limbs.parts, self._carriers, self._engine.placements, scene.targets,
+                scene.patches, cameras, self._rows, self._lenses, scene.shapes,
             )
-        )
+        )  # fmt: skip
 
     def take(self) -> Exposure:
         """Return the regions of each channel that is looked for, by camera and channel."""

@@ -99,15 +99,9 @@ class ExplorationTask(CatalogTask):
         """
         watcher = watcher or ExplorationObserver()
         runner = ActionRunner(
-            self.robot,
-            kinematics,
-            body,
-            self.stage,
-            self.actions,
-            self.between,
-            self.constants.longest,
-            watcher,
-        )
+            self.robot, kinematics, body, self.stage, self.actions, self.between,
+            self.constants.longest, watcher,
+        )  # fmt: skip
         identity = identity_of(self._provenance(body.renderer, 0, ()))
         with open_journal(self.journal, identity, joins=self.joins) as journal:
             work = ExplorationWork(

@@ -143,19 +143,7 @@ def _before_the_document(reported: ReportedError) -> TextCorrection | None:
 # bracket. Indentation comes late, because most syntax errors disturb the levels of the lines around
 # them.
 _EXPLANATIONS = (
-    _tab,
-    _look_alike,
-    _fence,
-    _unquoted,
-    _directive,
-    missing_colon,
-    after_the_end,
-    row_in_text,
-    within_brackets,
-    open_quote,
-    second_colon,
-    colon_above,
-    _indentation,
-    missing_value,
+    _tab, _look_alike, _fence, _unquoted, _directive, missing_colon, after_the_end, row_in_text,
+    within_brackets, open_quote, second_colon, colon_above, _indentation, missing_value,
     _before_the_document,
-)
+)  # fmt: skip
