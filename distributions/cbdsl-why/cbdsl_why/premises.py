@@ -138,7 +138,7 @@ def _overloads(history: History) -> Iterator[Doubt]:
 
 
 def _reversals(history: History) -> Iterator[Doubt]:
-    """Yield joints whose references swing to and fro."""
+    """Yield joints whose references swing back and forth."""
     steps = np.diff(history.recorded.arrays["references"], axis=0)
     second = history.ticks(1.0)
     for joint, name in enumerate(history.summary["joints"]):
