@@ -18,8 +18,8 @@ from cbdsl.scaffold.tip_link import hand_corners
 
 # Distances of a tip before a thing, in parts of the limb's length.
 _BEFORE = (0.02, 0.15)
-# Part of a hand's way by which an open one may be less open.
-_SLACK = 0.05
+# Part of a hand's way by which an open one may be less open, and time of the way in a search, s.
+_SLACK, _PROBING = 0.05, 2.0
 # Rotation of a limb at its first joint for a posture beside the first posture, rad.
 _ASIDE = math.radians(30)
 _TIP = "  # The frame that has a position and an orientation; its offset is in the link's frame."
@@ -74,11 +74,13 @@ def values_lines(
     if hand is not None:
         span, unit = hand.span, "m" if effector.joints[0].slides else "rad"
         shut, opened = hand.postures["closed"][0], hand.postures["open"][0]
-        slack = f"{_SLACK * abs(opened - shut):.2g} {unit}"
+        way = abs(opened - shut)
+        slack, probe = f"{_SLACK * way:.2g} {unit}", f"{way / _PROBING:.2g} {unit}/s"
         return [
             "  # Width between the open pads, forces of each at a touch and a grasp, position with",
-            "  # nothing between, tolerance of an open hand, distance of tip and held object.",
-            f"  values: {{span: {100 * span:.3g} cm, touch: 2 N, grip: 8 N, "
+            "  # nothing between, tolerance of an open hand, distance of tip and held object,",
+            "  # and speed of fingers that feel for contact.",
+            f"  values: {{span: {100 * span:.3g} cm, touch: 2 N, grip: 8 N, probe: {probe}, "
             f"shut: {shut:.4g} {unit}, slack: {slack}, nearest: 0 m, farthest: 0 m}}",
         ]
     if effector.tip is None or len(effector.joints) < PLACING:
