@@ -83,7 +83,7 @@ def xacro(folder: Path, body: str) -> object:
 
     file = folder / "any.xacro"
     file.write_text(f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>')
-    return expand_xacro(file, "any", {}, PackageFolders({}, [], file)).urdf
+    return expand_xacro(file, "any", {}, PackageFolders({}, [], file)).text
 
 
 def ignored(folder: Path, lines: str) -> object:

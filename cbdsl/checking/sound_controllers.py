@@ -16,20 +16,20 @@ class _Sound(NamedTuple):
 
 
 class SoundControllers:
-    """Memory of one program's controllers without diagnostics, by name.
+    """Memory of one program's controllers without diagnostics, by name and name of the robot.
 
     A controller is unchanged if its section and the robot are. Without parameters, it depends on
     nothing else. Without diagnostics, it refers to no places in the text, which may have moved.
     """
 
     def __init__(self) -> None:
-        self._known: dict[str, _Sound] = {}
+        self._known: dict[tuple[str, str], _Sound] = {}
 
     def recall(
         self, name: str, section: ControllerSection, body: CheckedRobot
     ) -> Controller | None:
         """Return the controller of an unchanged section on the same robot, or ``None``."""
-        known = self._known.get(name)
+        known = self._known.get((name, body.document.name))
         same = known is not None and known.body is body and known.section == section
         return known.controller if known is not None and same else None
 
@@ -38,4 +38,4 @@ class SoundControllers:
     ) -> None:
         """Keep a controller that was checked without a diagnostic, in a document without errors."""
         if "$" not in repr(section):
-            self._known[name] = _Sound(section, body, controller)
+            self._known[name, body.document.name] = _Sound(section, body, controller)

@@ -293,7 +293,7 @@ def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, f
 _SWEEPS = 12
 
 # Elements count as zero at this share of the diagonal elements beside them.
-_ROUNDING = 1e-15
+_ZERO = 1e-15
 
 
 @compiled
@@ -316,7 +316,7 @@ def diagonalize(matrix: Floats, vectors: Floats) -> None:
         turned = False
         for i in range(size - 1):
             for j in range(i + 1, size):
-                if abs(matrix[i, j]) > _ROUNDING * scale:
+                if abs(matrix[i, j]) > _ZERO * scale:
                     _rotate(matrix, vectors, i, j)
                     turned = True
         if not turned:

@@ -23,7 +23,6 @@ from cbdsl.documents.document import (
     Duration,
     Extent,
     Length,
-    Lever,
     Name,
     Number,
     Positive,
@@ -49,9 +48,9 @@ class StandoffSection(Section):
 
     clearance: Length
     """Distance between the tip and the seen surface."""
-    least: Lever
+    least: Length
     """Minimum distance between the tip and the reference."""
-    most: Lever
+    most: Length
     """Maximum distance between the tip and the reference."""
 
 

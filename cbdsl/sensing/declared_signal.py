@@ -31,12 +31,12 @@ def declared_reader(
         PluginError: The package's function raises. The reader also raises it, or SensorError if a
             value is not finite.
     """
-    if isinstance(signal, ModelSignal):
-        place, name = signal.reader, f"the model {signal.model}"
-        failed = partial(KINDS.fault, signal.kind)
-    else:
-        place, name = SOURCES.get(signal.kind).reader, f"the sensor {signal.sensor}"
-        failed = partial(SOURCES.fault, signal.kind)
+    # The signal of a model names its reader; that of a sensor has a kind that does.
+    asked: Any = signal
+    is_model = hasattr(asked, "reader")
+    place = asked.reader if is_model else SOURCES.get(asked.kind).reader
+    name = f"the model {asked.model}" if is_model else f"the sensor {asked.sensor}"
+    failed = partial((KINDS if is_model else SOURCES).fault, asked.kind)
     module, function = place.split(":")
     try:
         make = getattr(import_module(module), function)

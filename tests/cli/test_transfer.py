@@ -116,7 +116,10 @@ def test_single_allocation_learns_where_reward_is_likely(run: CB) -> None:
         (("close_on", "--robot", "panda", "--from", "reachtouch"), "serves program 'reachtouch'"),
         (("close_on", "--robot", "panda", "--from", "on_pand"), "did you mean 'on_panda'"),
         (("close_on", "--robot", "desk", "--from", "on_panda"), "no effector of force for role"),
-        (("reachtouch", "--robot", "panda", "--from", "reachtouch"), "for robot 'dexter' alone"),
+        (
+            ("bimanualtouch", "--robot", "panda", "--from", "bimanualtouch"),
+            "for robot 'dexter' alone",
+        ),
         (("close_on", "--robot", "panda", "--learner", "transfer"), "and none is named"),
         (
             ("close_on", "--robot", "two_pandas", "--from", "on_panda", "--out", "far/it.yaml"),

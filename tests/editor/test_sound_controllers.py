@@ -52,7 +52,7 @@ def test_diagnostics_after_edits_equal_a_fresh_session(program: Path) -> None:
 def test_only_the_controller_that_changed_is_checked_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    program = ROOT / "programs" / "reachtouch.yaml"
+    program = ROOT / "programs" / "bimanualtouch.yaml"
     text, buffers, checked = program.read_text("utf-8"), Buffers(ROOT), list[str]()
     check = compositions.check_triple
 

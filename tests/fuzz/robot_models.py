@@ -41,7 +41,7 @@ def _xacro(data: bytes) -> None:
     file = scratch() / "any.xacro"
     file.write_bytes(data)
     try:
-        text = expand_xacro(file, "any", {"side": "left"}, PackageFolders({}, [], file)).urdf
+        text = expand_xacro(file, "any", {"side": "left"}, PackageFolders({}, [], file)).text
         parse_urdf(text, file)
     except UrdfError as error:
         assert "any.xacro" in str(error)
@@ -82,7 +82,7 @@ def _mjcf(data: bytes) -> None:
     except UrdfError as error:
         assert "any.xml" in str(error)
         return
-    parse_urdf(converted.urdf, file)
+    parse_urdf(converted.text, file)
 
 
 def _mesh(data: bytes) -> None:

@@ -173,6 +173,7 @@ def test_sensor_is_read(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         )
         .replace("stages: [cube_on_bench]\n", "")
         .replace("$hand.touch", "2 N")
+        .replace("$hand.probe", "0.6 rad/s")
         .replace("controllers:\n", "controllers:\n" + watched)
         .replace("actions: [", "actions: [yield, ", 1)
         .replace('"**":', '"***":'),

@@ -55,7 +55,7 @@ def composed_program(
     Args:
         file: Changed program.
         stage: Stage on which it ran.
-        values: Values of its parameters.
+        values: Values of its parameters and roles.
         changes: Changes to the program.
         name: Name of the new program.
 
@@ -67,8 +67,7 @@ def composed_program(
     source = _plain(Library().text(file), str(file))
     before, controllers = source.get("name", ""), dict(source["controllers"])
     left_out = []
-    # A page also changes controllers of programs that are used. This document defines its own
-    # alone.
+    # A page also changes controllers of used programs; this document defines its own alone.
     for each in dict.fromkeys([*changes.gains, *changes.targets]):
         if not isinstance(controllers.get(each), dict):
             left_out.append(each)
@@ -79,9 +78,13 @@ def composed_program(
         if each in changes.targets:
             changed["reference"] = [f"{value:.4f} m" for value in changes.targets[each]]
     made: Plain = {**source, "name": name, "stage": stage, "controllers": controllers}
-    made["description"] = f"Composed by hand from {before} while it ran."
+    # Roles are bound when a program runs; the description tells how they were.
+    roles = source.get("roles", {})
+    bound = ", ".join(f"{key}={value}" for key, value in values.items() if key in roles)
+    made["description"] = f"Composed by hand from {before} while it ran{bound and ' with '}{bound}."
     if "parameters" in source:
-        made["parameters"] = {**source["parameters"], **values}
+        own = {key: value for key, value in values.items() if key not in roles}
+        made["parameters"] = {**source["parameters"], **own}
     if changes.stack is not None:
         made = _only(made, changes.stack)
     text = dump_plain({key: made[key] for key in _ordered(made)})
@@ -108,8 +111,8 @@ def _only(source: Plain, stack: Sequence[str]) -> Plain:
     made["policy"] = {"*" * len(stack): action}
     read = {word for key in ("controllers", "background") for word in _words(made.get(key))}
     for key in ("parameters", "resources", "models"):
-        kept = {k: v for k, v in made.get(key, {}).items() if key == "resources" or k in read}
-        made[key] = kept
+        items = made.get(key, {}).items()
+        made[key] = {k: v for k, v in items if key == "resources" or k in read}
     names = set(made["parameters"])
     made["resources"] = {
         group: own
@@ -121,10 +124,8 @@ def _only(source: Plain, stack: Sequence[str]) -> Plain:
 
 def _needed(controllers: Plain, text: str) -> set[str]:
     """Return controllers that a text names, and their dependencies."""
-    # Texts are searched for names instead of parsed. An accidental match keeps a definition too
-    # many, which is harmless.
-    needed: set[str] = set()
-    waiting = [text]
+    # An accidental match of a name keeps a definition too many, which is harmless.
+    needed, waiting = set[str](), [text]
     while waiting:
         for word in _words(waiting.pop()):
             if word in controllers and word not in needed:

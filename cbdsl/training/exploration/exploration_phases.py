@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome, read_outcome, write_outcome
 from cbdsl.storage.journal import Journal, JournalError, RowForm, require_same
 
-# Parts of the identity that may change when actions join, or when the world changes.
+# Parts that may change as actions join, or with the world; shared documents follow programs.
 _JOINABLE = ("programs", "policies", "stage")
 _NOUN = "exploration"
 
@@ -99,7 +99,7 @@ def _current(identity: Mapping[str, Any], rows: Iterable[ActionRow]) -> Mapping[
 
 
 def _joinable(identity: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: identity[key] for key in _JOINABLE}
+    return {key: identity[key] for key in (*_JOINABLE, "shared") if key in identity}
 
 
 def _is_joinable(row: object) -> bool:

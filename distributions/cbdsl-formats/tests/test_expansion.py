@@ -23,7 +23,7 @@ CALLS = "".join(
 def expand(folder: Path, body: str, **arguments: str) -> str:
     file = folder / "any.xacro"
     file.write_text(f"{HEAD}{body}</robot>")
-    return expand_xacro(file, "any", arguments, PackageFolders({}, [], file)).urdf
+    return expand_xacro(file, "any", arguments, PackageFolders({}, [], file)).text
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,7 @@ def stage_of(path: Path, folder: Path) -> tuple[StageDocument, ConvertedModel]:
     for file, contents in scene.meshes.items():
         (folder / file).parent.mkdir(exist_ok=True)
         (folder / file).write_bytes(contents)
-    (folder / "made.yaml").write_text(head + scene.urdf, "utf-8")
+    (folder / "made.yaml").write_text(head + scene.text, "utf-8")
     return Library(folder).read(folder / "made.yaml", StageDocument).document, scene
 
 
@@ -104,7 +104,7 @@ def test_parts_of_a_scene_become_fixtures_and_things(tmp_path: Path) -> None:
         ("egg", "ellipsoid"), ("door", "no joint (hinge)"), ("arm", "no joint (shoulder)"),
     ):  # fmt: skip
         assert sum(f"'{part}'" in each and reason in each for each in scene.remarks) == 1, part
-    assert all(f"# {remark}" in scene.urdf for remark in scene.remarks)
+    assert all(f"# {remark}" in scene.text for remark in scene.remarks)
 
 
 @pytest.mark.parametrize("name", ["true", "Null", "1e3", "../x", "a: {b}", "-", "x&#10;kind: y"])

@@ -42,10 +42,10 @@ def test_stacks_of_each_height_are_listed_by_probability(page: str) -> None:
     plans = plans_of(page)
     assert {len(plan["order"]) for plan in plans} == {2, 3}, "no four things stood on each other"
     of_three = [plan for plan in plans if len(plan["order"]) == 3]
-    assert [plan["order"][-1] for plan in of_three] == ["basketball", "football"]
+    assert [plan["order"][-1] for plan in of_three] == ["football", "basketball"]
     assert of_three[0]["probability"] >= of_three[1]["probability"]
     assert of_three[1]["command"] == (
-        "cb run stack_three --with goal=blue --with middle=hue_9 --with feature=green"
+        "cb run stack_three --with goal=blue --with middle=hue_9 --with feature=red"
     )
 
 

@@ -134,10 +134,10 @@ def test_why_of_a_program_runs_it_and_marks_the_moment_on_the_page(
     page = tmp_path / "page.html"
     words = ("why", "reach", "--stage", "out_of_reach", "--backend", "kinematic", "--seed", "1")
     assert cb(monkeypatch, *words, "--page", str(page), "--no-open") == 0
-    assert "out of reach: reach stayed" in capsys.readouterr().out
+    assert "out of reach: approach stayed" in capsys.readouterr().out
     header = header_of(page.read_text("utf-8"))
     assert header["failed"] and header["causes"][0]["kind"] == "out_of_reach"
-    assert header["causes"][0]["text"].startswith("reach stayed")
+    assert header["causes"][0]["text"].startswith("approach stayed")
 
 
 def test_why_of_a_program_that_changed_since_says_so(

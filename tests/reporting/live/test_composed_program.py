@@ -35,7 +35,8 @@ def test_stack_is_the_only_action_of_its_document(file: Path) -> None:
     saved = file.with_name("mine.yaml")
     saved.write_text(composed.text, encoding="utf-8")
     assert check_document(saved) == []
-    program = check_program(saved, {}, Library(file.parent))
+    assert "with arm=left_arm, hand=left_hand." in composed.text
+    program = check_program(saved, {"arm": "left_arm", "hand": "left_hand"}, Library(file.parent))
     assert program.name == "mine" and program.parameters["arm"] == "left_arm"
     assert [action.name for action in program.actions] == [
         "orient", "approach", "orient ◁ approach",

@@ -22,6 +22,7 @@ from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip
+from cbdsl.types.source_record import chains_of
 from tests.conftest import Checked
 from tests.runtime.conftest import TABLE_BALL, made_stage
 from tests.runtime.synthetic import Ball, SyntheticBackend, World
@@ -204,6 +205,7 @@ def test_literal_pose_is_a_position_and_a_rotation_vector(
     controller = replace(
         approach_of(reachtouch),
         feedback=pose,
+        chains=chains_of(pose),
         reference=Literal((*where, 0.0, 0.0, turn)),
         standoff=None,
         funnel=None,
@@ -323,8 +325,8 @@ def test_controller_of_a_pose_has_arrived_by_its_distance_and_its_angle(
     still = Relative(None, (shift, 0.0, 0.0, 0.0, turn, 0.0))
     quiescence = approach.quiescence._replace(rate=1e3)
     controller = replace(
-        approach, feedback=pose, reference=still, standoff=None, funnel=None,
-        quiescence=quiescence, arrival=pose.type.arrivals,
+        approach, feedback=pose, chains=chains_of(pose), reference=still, standoff=None,
+        funnel=None, quiescence=quiescence, arrival=pose.type.arrivals,
     )  # fmt: skip
     started = start(controller)
     for _ in range(100):
