@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections import defaultdict
 from pathlib import Path
 
@@ -73,3 +74,18 @@ def test_folder_has_at_most_25_modules() -> None:
         for file in files:
             folders[file.parent.as_posix()] += 1
     assert {name: count for name, count in folders.items() if count > MOST_FILES} == {}
+
+
+def test_constants_of_a_module_are_assigned_once() -> None:
+    twice = {}
+    for file in sorted(PACKAGE.rglob("*.py")):
+        names = [
+            target.id
+            for node in ast.parse(file.read_text("utf-8")).body
+            if isinstance(node, ast.Assign)
+            for target in node.targets
+            if isinstance(target, ast.Name)
+        ]
+        if len(names) > len(set(names)):
+            twice[str(file.relative_to(PACKAGE))] = sorted({n for n in names if names.count(n) > 1})
+    assert twice == {}, "code between the two reads the second value"
