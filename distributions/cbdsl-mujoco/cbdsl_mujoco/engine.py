@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import mujoco as mj
 import numpy as np
@@ -37,6 +38,22 @@ from cbdsl_mujoco.world import MujocoWorld
 
 # Largest distance of objects that touch, m.
 _TOUCHING = 1e-4
+
+
+class LinkContact(NamedTuple):
+    """Contact of a link of the robot.
+
+    Attributes:
+        link: Name of the link.
+        other: Name of the touched object, or of another link.
+        is_link: True if the other body is a link, too.
+        force: Force of the link on the other body, world frame, N, shape (3,).
+    """
+
+    link: str
+    other: str
+    is_link: bool
+    force: Floats
 
 
 class MujocoEngine(Engine):
@@ -244,6 +261,28 @@ class MujocoEngine(Engine):
             if other != name
             and (body(other).number in pressing or self._apart(name, other) <= _TOUCHING)
         )
+
+    def link_contacts(self) -> Iterator[LinkContact]:
+        """Yield the contacts with a force of all links of the robot, as of the last step."""
+        model, data, force = self._world.model, self._world.data, np.zeros(6)
+        names = {row + 1: link for link, row in self.rows.items()}
+        objects = {self._world.body(name).number: name for name in self.objects}
+        for number in range(data.ncon):
+            contact = data.contact[number]
+            one, two = model.geom_bodyid[contact.geom].tolist()
+            mj.mj_contactForce(model, data, number, force)
+            if force[0] <= 0.0 or (one not in names and two not in names):
+                continue
+            # The rows of the frame are its axes; its normal points from the first to the second.
+            on_second = contact.frame.reshape(3, 3).T @ force[:3]
+            if one not in names:
+                one, two, on_second = two, one, -on_second
+            other = names.get(two) or objects.get(two, "")
+            yield LinkContact(names[one], other, two in names, on_second)
+
+    def push(self, link: str, force: Floats) -> None:
+        """Push a link of the robot with a force, world frame, N, until the next push or episode."""
+        self._world.data.xfrc_applied[self.rows[link] + 1, :3] = force
 
     def _apart(self, name: str, other: str) -> float:
         """Return the distance of two objects, m, at most 1 mm."""

@@ -18,6 +18,7 @@ from cbdsl_reproduction.judges import (
     five_skills,
     force,
     gripper,
+    guarded,
     handover,
     holding,
     hover_follow,
@@ -71,6 +72,7 @@ _ALL = (
     mounted_touch.JUDGE,
     relations.JUDGE,
     served.JUDGE,
+    guarded.JUDGE,
     robosuite.JUDGE,
 )
 

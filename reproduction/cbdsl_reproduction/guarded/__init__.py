@@ -1,0 +1,1 @@
+"""Scenes, disturbances, peers and counts of ``cb judge guarded``."""
