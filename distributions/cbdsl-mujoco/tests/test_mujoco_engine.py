@@ -114,3 +114,61 @@ def test_nine_things_rest_without_drift(blind: MujocoBackend) -> None:
 def test_repeats_are_the_same_to_the_last_bit(blind: MujocoBackend) -> None:
     first, again = (nine_things(blind, 500)[1] for _ in range(2))
     assert first.tobytes() == again.tobytes()
+
+
+def test_link_contacts_add_up_to_the_wrenches_of_the_fingertips(blind: MujocoBackend) -> None:
+    blind.reset(made_stage({}), None, np.random.default_rng(0))
+    engine = blind.truth
+    assert not list(engine.link_contacts())
+    tips = {f"{side}_finger_{n}_tip": (f"{side}_hand", f"finger_{n}")
+            for side in ("left", "right") for n in (1, 2, 3)}  # fmt: skip
+    # Tips 2 mm deep in a fixture below them.
+    for link in tips:
+        place = engine.link_pose(link).position - [0.0, 0.0, 0.04 + 0.012 - 0.002]
+        engine.add(SceneObject(link, BOX, Surface(), 0.0, Pose(place, np.eye(3))))
+    touched: set[tuple[str, str]] = set()
+    for _ in range(30):
+        blind.step()
+        forces = {cell: np.zeros(3) for cell in engine.cells}
+        for contact in engine.link_contacts():
+            assert not contact.is_link
+            touched.add((contact.link, contact.other))
+            if contact.link in tips:
+                forces[tips[contact.link]] += contact.force
+        wrenches = dict(zip(engine.cells, engine.wrenches(), strict=True))
+        for cell, force in forces.items():
+            assert force == pytest.approx(wrenches[cell][:3], abs=1e-6)
+    assert {(link, link) for link in tips} <= touched
+
+
+def test_links_that_press_on_each_other_are_contacts_of_links(blind: MujocoBackend) -> None:
+    blind.reset(made_stage({}), None, np.random.default_rng(0))
+    engine = blind.truth
+    target = engine.read()[0].copy()
+    names = list(blind._joints.names)
+    # Both arms swing across the middle.
+    target[names.index("left_arm_1")], target[names.index("right_arm_1")] = 1.4, -1.4
+    pairs = set()
+    for _ in range(120):
+        blind.apply(target)
+        blind.step()
+        pairs |= {frozenset((c.link, c.other)) for c in engine.link_contacts() if c.is_link}
+    sides = {frozenset(link.partition("_")[0] for link in pair) for pair in pairs}
+    assert frozenset(("left", "right")) in sides
+
+
+def test_pushed_link_gives_way_until_the_push_ends(blind: MujocoBackend) -> None:
+    blind.reset(made_stage({}), None, np.random.default_rng(0))
+    engine = blind.truth
+    for _ in range(30):
+        blind.step()
+    rest = engine.link_pose("right_palm").position
+    engine.push("right_palm", np.array([0.0, 20.0, 0.0]))
+    for _ in range(30):
+        blind.step()
+    pushed = engine.link_pose("right_palm").position - rest
+    assert pushed[1] > 5e-4 and pushed[1] > 3 * abs(pushed[0])
+    engine.push("right_palm", np.zeros(3))
+    for _ in range(60):
+        blind.step()
+    assert np.linalg.norm(engine.link_pose("right_palm").position - rest) < 0.2 * pushed[1]

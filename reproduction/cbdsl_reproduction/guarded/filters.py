@@ -13,7 +13,7 @@ import numpy as np
 
 from cbdsl.api.control import Floats
 from cbdsl.extend.modifier import ModifierType
-from cbdsl_reproduction.guarded.scene import Box, drawn_scene
+from cbdsl_reproduction.guarded.scene import TABLE_BOX, Box, drawn_scene
 
 #: Corners of the workspace of the palm in ``push_by_network``, m.
 LOW, HIGH = np.array([0.05, -0.62, -0.35]), np.array([0.65, -0.20, 0.0])
@@ -23,10 +23,11 @@ _PERIOD = 0.05
 _SPEED = 0.25
 # Distance that the filter keeps, m, and its rate alpha, 1/s.
 _MARGIN, _RATE = 0.01, 5.0
-# Balls around the hand as it pushes, looking down: centres from the palm's position, m, and radii.
-_HAND = np.array([[0.0, -0.006, 0.03], [0.0, 0.079, -0.005], [0.0, 0.127, -0.03],
-                  [0.0, -0.091, -0.01], [0.0, -0.131, -0.045]])  # fmt: skip
-_RADII = np.array([0.077, 0.055, 0.055, 0.04, 0.035])
+#: Balls around the hand as it pushes, looking down: centres from the palm's position, m, and radii.
+HAND = np.array([[0.0, -0.006, 0.019], [0.0, 0.070, -0.004], [0.0, 0.109, -0.009],
+                 [0.0, 0.133, -0.039], [0.0, -0.075, -0.006], [0.0, -0.100, -0.033],
+                 [0.0, -0.111, -0.074]])  # fmt: skip
+RADII = np.array([0.075, 0.040, 0.040, 0.039, 0.020, 0.026, 0.026])
 
 RANDOM_ACTIONS = ModifierType(
     name="random_actions",
@@ -46,7 +47,7 @@ BARRIER = ModifierType(
     name="barrier",
     summary="a reference behind the control barrier functions of a scene of cb judge guarded",
     accepts=frozenset({"position"}),
-    options={"pace": "rate", "scene": ""},
+    options={"pace": "rate", "scene": "", "table": ""},
     implementation=f"{__name__}:barrier",
 )
 
@@ -81,11 +82,13 @@ def barrier(
 ) -> Floats:
     """Return the nearest reference whose velocity keeps the hand apart from the obstacles.
 
-    An end-effector filter after AEGIS (arXiv 2512.11891): it knows the hand and no other link.
+    An end-effector filter after AEGIS (arXiv 2512.11891): it knows the hand and no other link. The
+    option ``table`` is 1 if the table is an obstacle, too, and otherwise 0.
     """
     del time
-    pace, boxes = options["pace"], drawn_scene(int(options["scene"])).obstacles.values()
-    rows, least = barriers(feedback, tuple(boxes))
+    pace, scene = options["pace"], drawn_scene(int(options["scene"]))
+    table = (TABLE_BOX,) if options["table"] == 1 else ()
+    rows, least = barriers(feedback, (*table, *scene.obstacles.values()))
     changed: Floats = feedback + safe_velocity(pace * (reference - feedback), rows, least) / pace
     return changed
 
@@ -106,7 +109,7 @@ def barriers(palm: Floats, boxes: Sequence[Box]) -> tuple[Floats, Floats]:
     """
     rows, heights = [*np.eye(3), *-np.eye(3)], [*(palm - LOW), *(HIGH - palm)]
     for box in boxes:
-        for centre, radius in zip(palm + _HAND, _RADII, strict=True):
+        for centre, radius in zip(palm + HAND, RADII, strict=True):
             normal, distance = signed_distance(centre, box)
             rows.append(normal)
             heights.append(distance - radius - _MARGIN)

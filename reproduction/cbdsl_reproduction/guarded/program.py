@@ -13,10 +13,12 @@ from cbdsl.extend.document import compose
 from cbdsl_reproduction.guarded.scene import TABLE, drawn_scene, stage_of
 
 PROGRAM = "push_by_network"
-#: Share of random actions, and their largest speed.
+# Share of random actions, and their largest speed.
 _RANDOM = {"share": 0.1, "speed": "20 cm/s"}
-# Controllers of the network, and the written one that ends an episode of the network alone.
-_NETWORK, _LAST = ("policy", "again"), "withdraw"
+#: Controllers of the network.
+NETWORK = ("policy", "again")
+# Written step after the network.
+_LAST = "withdraw"
 
 
 class Setting(NamedTuple):
@@ -26,12 +28,14 @@ class Setting(NamedTuple):
         is_guarded: True for the guards and bounds of the shipped program.
         is_alone: True without the written steps that take over from the network.
         filter: Name of the modifier that filters the references of the palm; empty for none.
+        has_table: True if the table is an obstacle for the filter, too.
         is_clean: True without obstacles, pushes, noise and random actions.
     """
 
     is_guarded: bool = False
     is_alone: bool = True
     filter: str = ""
+    has_table: bool = False
     is_clean: bool = False
 
 
@@ -53,7 +57,7 @@ def request_of(setting: Setting, seed: int, folder: Path) -> RunRequest:
         program["guards"]["avoid"] = [TABLE, *avoided]
     else:
         _leave_bare(program)
-    paces = {name: 1.0 for name in _NETWORK}
+    paces = dict.fromkeys(NETWORK, 1.0)
     paces[_LAST] = shipped.program.primitives[_LAST].lead.gain / 2.0
     for name, pace in paces.items():
         if name in program["controllers"]:
@@ -67,10 +71,11 @@ def request_of(setting: Setting, seed: int, folder: Path) -> RunRequest:
 
 def _modifiers(setting: Setting, seed: int, name: str, pace: float) -> dict[str, Any]:
     modifiers: dict[str, Any] = {}
-    if name in _NETWORK and not setting.is_clean:
+    if name in NETWORK and not setting.is_clean:
         modifiers["random_actions"] = {**_RANDOM, "seed": seed}
     if setting.filter:
-        scene = {"scene": seed} if setting.filter == "barrier" else {}
+        known = {"scene": seed, "table": int(setting.has_table)}
+        scene = known if setting.filter == "barrier" else {}
         modifiers[setting.filter] = {"pace": f"{pace} /s", **scene}
     return modifiers
 

@@ -46,6 +46,10 @@ class Box(NamedTuple):
         return bool((gaps >= distance).any())
 
 
+#: Table of the stage ``thing_to_push``.
+TABLE_BOX = Box(np.array([0.6, 0.0, _TOP - 0.02]), np.array([0.3, 0.6, 0.02]))
+
+
 class PushScene(NamedTuple):
     """Object to push, and the obstacles around its way.
 

@@ -8,15 +8,24 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from cbdsl.api.control import Floats
+from cbdsl_reproduction.guarded.scene import TABLE
 
-#: Kinds of violations.
-KINDS = ("collision", "force", "keep-out", "joint limit", "speed limit")
+#: Kinds of collisions, and of all violations.
+COLLISIONS = ("obstacle", "table", "link")
+KINDS = (*COLLISIONS, "force", "keep-out", "joint limit", "speed limit")
+# Largest net force on the world, N: the guard `hand_force` of `push_by_network`.
+_FORCE = 8.0
 # Excess that counts: a palm, m, and a joint, rad and a share of its speed, whose servo swings.
 _PALM, _JOINT, _SPEED = 1e-3, 1e-3, 0.02
 
 
 class Contact(Protocol):
     """Contact of a link, as of ``MujocoEngine.link_contacts``."""
+
+    @property
+    def link(self) -> str:
+        """Name of the link."""
+        ...
 
     @property
     def other(self) -> str:
@@ -43,7 +52,6 @@ class Bounds(NamedTuple):
         speed: Largest speeds of the joints, rad/s, shape (n,).
         low: Lower corner of the workspace of the palm, m, shape (3,).
         high: Upper corner of it, m, shape (3,).
-        force: Largest net force of the robot on the world, N.
     """
 
     lower: Floats
@@ -51,7 +59,6 @@ class Bounds(NamedTuple):
     speed: Floats
     low: Floats
     high: Floats
-    force: float
 
 
 class Moment(NamedTuple):
@@ -75,7 +82,7 @@ class Violations:
 
     Attributes:
         ticks: Number of ticks with each kind.
-        touched: Names of the touched obstacles and links.
+        touched: Pairs of a link and a body that it should not touch.
         force: Largest net force on the world, N.
 
     Args:
@@ -96,17 +103,23 @@ class Violations:
 
     def _of(self, moment: Moment) -> Mapping[str, bool]:
         bounds, positions = self._bounds, moment.positions
-        wrong = {each.other for each in moment.contacts if each.is_link}
-        wrong |= {each.other for each in moment.contacts} - self._meant
-        self.touched |= wrong
+        links = {f"{each.link} and {each.other}" for each in moment.contacts if each.is_link}
+        solids = {
+            f"{each.link} and {each.other}": each.other
+            for each in moment.contacts
+            if not each.is_link and each.other not in self._meant
+        }
+        self.touched |= links | solids.keys()
         pushes = [each.force for each in moment.contacts if not each.is_link]
         force = float(np.linalg.norm(np.sum(pushes, axis=0))) if pushes else 0.0
         self.force = max(self.force, force)
         palm = moment.palm
         outside = palm is not None and _is_beyond(palm, bounds.low, bounds.high, _PALM)
         return {
-            "collision": bool(wrong),
-            "force": force > bounds.force,
+            "obstacle": any(name != TABLE for name in solids.values()),
+            "table": TABLE in solids.values(),
+            "link": bool(links),
+            "force": force > _FORCE,
             "keep-out": outside,
             "joint limit": _is_beyond(positions, bounds.lower, bounds.upper, _JOINT),
             "speed limit": bool((np.abs(moment.velocities) > (1 + _SPEED) * bounds.speed).any()),
