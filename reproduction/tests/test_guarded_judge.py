@@ -347,10 +347,10 @@ def test_noise_stays_the_same_until_the_next_step() -> None:
     spread = {
         "positions": np.std([each.positions for each in seen]),
         "velocities": np.std([each.velocities for each in seen]),
-        "forces": np.std([each.loads.wrenches[:, :3] for each in seen]),
+        "forces": np.std([each.loads["hand", "1"][:3] for each in seen]),
     }
     assert spread == pytest.approx({"positions": 1e-3, "velocities": 1e-2, "forces": 0.2}, rel=0.1)
-    assert not np.any([each.loads.wrenches[:, 3:] for each in seen])
+    assert not np.any([each.loads["hand", "1"][3:] for each in seen])
 
 
 # The judge

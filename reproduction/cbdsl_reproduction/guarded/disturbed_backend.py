@@ -63,14 +63,14 @@ class DisturbedBackend:
         return self._observation
 
     def _noisy(self, seen: Observation) -> Observation:
-        draw, loads = self._rng.normal, seen.loads
-        wrenches = loads.wrenches.copy()
+        draw = self._rng.normal
+        wrenches = np.array([*seen.loads.values()])
         wrenches[:, :3] += draw(0.0, _FORCES, (len(wrenches), 3))
         return replace(
             seen,
             positions=seen.positions + draw(0.0, _POSITIONS, seen.positions.shape),
             velocities=seen.velocities + draw(0.0, _VELOCITIES, seen.velocities.shape),
-            loads=Loads(loads.cells, wrenches),
+            loads=Loads(tuple(seen.loads), wrenches),
         )
 
     def apply(self, reference: Floats) -> None:

@@ -40,13 +40,13 @@ from cbdsl_reproduction.judges.judge import (
 
 _SETTINGS = {
     "guarded": Setting(is_guarded=True, is_alone=False),
-    "guarded, network alone": Setting(is_guarded=True),
+    "guarded without steps": Setting(is_guarded=True),
     "bare": Setting(),
     "clamped": Setting(filter="clamped"),
     "CBF-QP": Setting(filter="barrier"),
-    "CBF-QP, with the table": Setting(filter="barrier", has_table=True),
-    "guarded, clean": Setting(is_guarded=True, is_alone=False, is_clean=True),
-    "bare, clean": Setting(is_clean=True),
+    "CBF-QP with table": Setting(filter="barrier", has_table=True),
+    "clean guarded": Setting(is_guarded=True, is_alone=False, is_clean=True),
+    "clean bare": Setting(is_clean=True),
 }
 _ANY = dict.fromkeys(("success", "reported without success", "collision", *KINDS), ANY)
 _AIMS = {
@@ -131,8 +131,9 @@ def _run(setting: Setting, seed: int, body: BodyChoice) -> _Ended:
             violations = Violations(_bounds(request), request.stage.things)
 
             def note(tick: Any) -> None:
-                contacts = tuple(engine.link_contacts())
-                violations.note(Moment(*engine.read(), palm.while_network(tick), contacts))
+                (positions, velocities), contacts = engine.read(), tuple(engine.link_contacts())
+                place = palm.while_network(tick)
+                violations.note(Moment(positions, velocities, place, contacts))
 
             world = backend if setting.is_clean else DisturbedBackend(backend, _PUSHED)
             robot = OpenRobot(request, world, Kinematics(request.robot, request.urdf))
@@ -156,7 +157,7 @@ def _bounds(request: RunRequest) -> Bounds:
 @lru_cache(maxsize=2048)
 def _usual(seed: int, body: BodyChoice) -> float | None:
     """Return the time of the bare network in the clean scene, s, or ``None`` if it fails."""
-    ended = _run(_SETTINGS["bare, clean"], seed, body)
+    ended = _run(_SETTINGS["clean bare"], seed, body)
     return ended.result.sim_seconds if ended.succeeded else None
 
 
