@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl import UsageError
+from cbdsl import UsageError, check
 from cbdsl.api.control import Floats, Kinematics
 from cbdsl.api.shipped import shipped_robot
 from cbdsl.checking.stage.fixture_hulls import fixture_hull
@@ -22,6 +22,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.extend.backend import Loads, Observation
 from cbdsl.kinematics.link_clearance import too_near_at_start, with_places
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl_reproduction.guarded import filters, program
 from cbdsl_reproduction.guarded.disturbed_backend import DisturbedBackend
 from cbdsl_reproduction.guarded.filters import (
     HAND,
@@ -34,8 +35,9 @@ from cbdsl_reproduction.guarded.filters import (
     safe_velocity,
     signed_distance,
 )
-from cbdsl_reproduction.guarded.scene import Box, drawn_scene, stage_of
-from cbdsl_reproduction.guarded.violations import KINDS, Bounds, Moment, Violations
+from cbdsl_reproduction.guarded.program import request_of
+from cbdsl_reproduction.guarded.scene import ObstacleBox, PushScene, drawn_scene, stage_of
+from cbdsl_reproduction.guarded.violations import KINDS, TrueTick, TruthBounds, Violations
 from cbdsl_reproduction.judges import guarded
 from cbdsl_reproduction.judges.guarded import JUDGE
 from cbdsl_reproduction.judges.judge import BodyChoice
@@ -43,7 +45,7 @@ from cbdsl_reproduction.judges.judge import BodyChoice
 coordinate = st.floats(-1.0, 1.0).map(lambda value: round(value, 4))
 point = st.tuples(coordinate, coordinate, coordinate).map(np.array)
 half = st.floats(0.01, 0.3)
-box = st.builds(Box, point, st.tuples(half, half, half).map(np.array))
+box = st.builds(ObstacleBox, point, st.tuples(half, half, half).map(np.array))
 STAGE = StageDocument.model_validate(
     {
         "cbdsl": 1, "kind": "stage", "name": "thing_to_push", "robot": "dexter",
@@ -132,7 +134,7 @@ def test_safe_velocity_is_the_nearest_one_by_enumeration(
 
 
 @given(point, box)
-def test_signed_distance_agrees_with_its_slope(place: Floats, obstacle: Box) -> None:
+def test_signed_distance_agrees_with_its_slope(place: Floats, obstacle: ObstacleBox) -> None:
     normal, distance = signed_distance(place, obstacle)
     inside = (np.abs(place - obstacle.centre) < obstacle.halves).all()
     assert (distance < 0.0) == inside or abs(distance) < 1e-9
@@ -146,7 +148,7 @@ def test_signed_distance_agrees_with_its_slope(place: Floats, obstacle: Box) -> 
 
 @given(point, point, st.lists(box, max_size=3))
 def test_barriers_decay_no_faster_than_their_rate(
-    offset: Floats, velocity: Floats, boxes: list[Box]
+    offset: Floats, velocity: Floats, boxes: list[ObstacleBox]
 ) -> None:
     pytest.importorskip("qpsolvers")
     palm, period = 0.5 * (LOW + HIGH) + 0.3 * offset, 1e-3
@@ -237,7 +239,7 @@ def test_clean_stage_has_no_obstacle_and_no_camera_error() -> None:
 
 # Counts
 
-BOUNDS = Bounds(np.full(2, -1.0), np.full(2, 1.0), np.full(2, 0.5), LOW, HIGH)
+BOUNDS = TruthBounds(np.full(2, -1.0), np.full(2, 1.0), np.full(2, 0.5), LOW, HIGH)
 contact = st.builds(
     SimpleNamespace,
     link=st.sampled_from(["palm", "forearm"]),
@@ -245,10 +247,12 @@ contact = st.builds(
     force=point.map(lambda force: 8.0 * force),
 ).map(lambda made: SimpleNamespace(**vars(made), is_link=made.other == "torso"))
 pair = st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2)).map(np.array)
-moment = st.builds(Moment, pair, pair, st.none() | point, st.lists(contact, max_size=4).map(tuple))
+moment = st.builds(
+    TrueTick, pair, pair, st.none() | point, st.lists(contact, max_size=4).map(tuple)
+)
 
 
-def violated(each: Moment) -> Iterable[str]:
+def violated(each: TrueTick) -> Iterable[str]:
     """Yield the kinds of violations of a moment, component by component."""
     others = [contact.other for contact in each.contacts]
     if "obstacle_1" in others:
@@ -275,7 +279,7 @@ def violated(each: Moment) -> Iterable[str]:
 
 
 @given(st.lists(moment, max_size=6))
-def test_violations_count_the_ticks_of_each_kind(moments: list[Moment]) -> None:
+def test_violations_count_the_ticks_of_each_kind(moments: list[TrueTick]) -> None:
     violations = Violations(BOUNDS, ["block"])
     for each in moments:
         violations.note(each)
@@ -376,16 +380,71 @@ def test_another_backend_is_refused() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("condition", JUDGE.conditions, ids=lambda each: each.name)
+def test_written_documents_of_each_condition_have_no_findings(
+    condition: Any, tmp_path: Path
+) -> None:
+    pytest.importorskip("onnxruntime")
+    setting = guarded._SETTINGS[condition.name]
+    request = request_of(setting, 7, tmp_path)
+    assert [str(finding) for finding in check(*sorted(tmp_path.glob("*.yaml")))] == []
+    guards = request.program.guards
+    assert (guards.clearance is not None) == setting.is_guarded
+    known = set(drawn_scene(7).obstacles)
+    assert set(request.stage.fixtures) == {"table", *([] if setting.is_clean else known)}
+    if setting.is_guarded:
+        assert set(guards.fixtures) == set(request.stage.fixtures)
+    modified = {
+        name: [modifier.name for modifier in primitive.lead.modifiers]
+        for name, primitive in request.program.primitives.items()
+    }
+    expected = [] if setting.is_clean else ["random_actions"]
+    assert modified["policy"] == expected + ([setting.filter] if setting.filter else [])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("condition", JUDGE.conditions, ids=lambda each: each.name)
 def test_episode_of_each_condition_is_judged(condition: Any, tmp_path: Path) -> None:
     pytest.importorskip("onnxruntime")
     if "CBF" in condition.name:
         pytest.importorskip("qpsolvers")
     (verdict,) = JUDGE.measure(condition, JUDGE.body, [20_004])
     assert set(condition.aims) == set(verdict.outcomes)
-    if condition.name == "guarded":
-        assert verdict.outcomes["success"], verdict.ending
+    assert "success lost" in verdict.outcomes and verdict.seed == 20_004
+    assert verdict.outcomes["success"] == ("added_s" in verdict.measures)
+    if "guarded" in condition.name:
         assert not any(verdict.outcomes[kind] for kind in KINDS), verdict.ending
-        assert "added_s" in verdict.measures
-    if condition.name in ("bare", "clamped", "CBF-QP"):
-        # The forearm meets the first obstacle, of which the hand's filter knows nothing.
-        assert verdict.outcomes["obstacle"], verdict.ending
+
+
+# Boxes in the way of the hand, and of the forearm above it.
+POST = ObstacleBox(np.array([0.33, -0.52, -0.29]), np.array([0.03, 0.03, 0.13]))
+BEAM = ObstacleBox(np.array([0.40, -0.64, 0.12]), np.array([0.03, 0.03, 0.06]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("obstacle", "condition", "is_touched"),
+    [
+        (POST, "bare", True),
+        (POST, "clamped", True),
+        (POST, "CBF-QP", False),
+        (POST, "guarded", False),
+        (BEAM, "bare", True),
+        (BEAM, "CBF-QP", True),
+        (BEAM, "guarded", False),
+    ],
+)
+def test_filter_spares_the_hand_alone_and_guards_spare_all_links(
+    monkeypatch: pytest.MonkeyPatch, obstacle: ObstacleBox, condition: str, is_touched: bool
+) -> None:
+    pytest.importorskip("onnxruntime")
+    if condition == "CBF-QP":
+        pytest.importorskip("qpsolvers")
+    scene = PushScene("block", (0.52, -0.22, 0.0), {"obstacle_1": obstacle})
+    for module in (filters, program):
+        monkeypatch.setattr(module, "drawn_scene", lambda seed: scene)
+    ended = guarded._run(guarded._SETTINGS[condition], 0, JUDGE.body)
+    touched = [pair for pair in ended.violations.touched if "obstacle" in pair]
+    assert bool(touched) is is_touched, (touched, ended.result.ending)
+    assert bool(ended.violations.ticks["obstacle"]) is is_touched
+    if obstacle is BEAM:
+        assert all("_link_" in pair for pair in touched), touched

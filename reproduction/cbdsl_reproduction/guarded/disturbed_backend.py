@@ -16,8 +16,8 @@ _POSITIONS, _VELOCITIES, _FORCES = 1e-3, 1e-2, 0.2
 _PUSHES, _BEGIN, _LENGTH, _LEAST, _MOST = 4, (0.5, 9.0), 0.2, 5.0, 20.0
 
 
-class Push(NamedTuple):
-    """Push against a link: its begin, s, and its force in the world frame, N, shape (3,)."""
+class LinkPush(NamedTuple):
+    """LinkPush against a link: its begin, s, and its force in the world frame, N, shape (3,)."""
 
     link: str
     begin: float
@@ -52,11 +52,11 @@ class DisturbedBackend:
         self._tick, self._observation = 0, self._noisy(self._backend.observe())
         return name
 
-    def _drawn(self) -> Push:
+    def _drawn(self) -> LinkPush:
         direction = self._rng.normal(size=3)
         force = self._rng.uniform(_LEAST, _MOST) * direction / np.linalg.norm(direction)
         link = self._links[int(self._rng.integers(len(self._links)))]
-        return Push(link, float(self._rng.uniform(*_BEGIN)), force)
+        return LinkPush(link, float(self._rng.uniform(*_BEGIN)), force)
 
     def observe(self) -> Observation:
         """Return the current sensor values."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from cbdsl.api.control import Floats
 from cbdsl.extend.modifier import ModifierType
-from cbdsl_reproduction.guarded.scene import TABLE_BOX, Box, drawn_scene
+from cbdsl_reproduction.guarded.scene import TABLE_BOX, ObstacleBox, drawn_scene
 
 #: Corners of the workspace of the palm in ``push_by_network``, m.
 LOW, HIGH = np.array([0.05, -0.62, -0.35]), np.array([0.65, -0.20, 0.0])
@@ -93,7 +93,7 @@ def barrier(
     return changed
 
 
-def barriers(palm: Floats, boxes: Sequence[Box]) -> tuple[Floats, Floats]:
+def barriers(palm: Floats, boxes: Sequence[ObstacleBox]) -> tuple[Floats, Floats]:
     """Return the constraints rows @ velocity >= least of the hand at a place.
 
     Each ball of the hand has a barrier function h to each box: its distance less the margin. The
@@ -116,7 +116,7 @@ def barriers(palm: Floats, boxes: Sequence[Box]) -> tuple[Floats, Floats]:
     return np.array(rows), -_RATE * np.array(heights)
 
 
-def signed_distance(point: Floats, box: Box) -> tuple[Floats, float]:
+def signed_distance(point: Floats, box: ObstacleBox) -> tuple[Floats, float]:
     """Return the outward normal of a box at a point, and the distance, m, negative inside."""
     away = point - box.nearest(point)
     distance = float(np.linalg.norm(away))

@@ -21,8 +21,8 @@ NETWORK = ("policy", "again")
 _LAST = "withdraw"
 
 
-class Setting(NamedTuple):
-    """Setting of a condition.
+class PushSetting(NamedTuple):
+    """PushSetting of a condition.
 
     Attributes:
         is_guarded: True for the guards and bounds of the shipped program.
@@ -39,11 +39,11 @@ class Setting(NamedTuple):
     is_clean: bool = False
 
 
-def request_of(setting: Setting, seed: int, folder: Path) -> RunRequest:
+def request_of(setting: PushSetting, seed: int, folder: Path) -> RunRequest:
     """Write the program and the stage of an episode to a folder, and load them.
 
     Args:
-        setting: Setting of the condition.
+        setting: PushSetting of the condition.
         seed: Seed of the scene and of the random actions.
         folder: Folder for the documents.
     """
@@ -69,7 +69,7 @@ def request_of(setting: Setting, seed: int, folder: Path) -> RunRequest:
     return load(folder / "guarded_push.yaml")
 
 
-def _modifiers(setting: Setting, seed: int, name: str, pace: float) -> dict[str, Any]:
+def _modifiers(setting: PushSetting, seed: int, name: str, pace: float) -> dict[str, Any]:
     modifiers: dict[str, Any] = {}
     if name in NETWORK and not setting.is_clean:
         modifiers["random_actions"] = {**_RANDOM, "seed": seed}

@@ -24,7 +24,7 @@ _WAY = 0.11
 _APART = 0.02
 
 
-class Box(NamedTuple):
+class ObstacleBox(NamedTuple):
     """Upright box with its edges along the axes of the world.
 
     Attributes:
@@ -40,14 +40,14 @@ class Box(NamedTuple):
         nearest: Floats = np.clip(point, self.centre - self.halves, self.centre + self.halves)
         return nearest
 
-    def is_apart(self, other: Box, distance: float) -> bool:
+    def is_apart(self, other: ObstacleBox, distance: float) -> bool:
         """Return whether another box is at a distance, m, along one of the axes at least."""
         gaps = np.abs(self.centre - other.centre) - self.halves - other.halves
         return bool((gaps >= distance).any())
 
 
 #: Table of the stage ``thing_to_push``.
-TABLE_BOX = Box(np.array([0.6, 0.0, _TOP - 0.02]), np.array([0.3, 0.6, 0.02]))
+TABLE_BOX = ObstacleBox(np.array([0.6, 0.0, _TOP - 0.02]), np.array([0.3, 0.6, 0.02]))
 
 
 class PushScene(NamedTuple):
@@ -55,27 +55,27 @@ class PushScene(NamedTuple):
 
     Attributes:
         thing: Name of the object on the stage ``thing_to_push``.
-        place: Its place x and y, m, and its yaw, rad.
+        place: Place of the object: x and y, m, and yaw, rad.
         obstacles: Obstacles by name.
     """
 
     thing: str
     place: tuple[float, float, float]
-    obstacles: dict[str, Box]
+    obstacles: dict[str, ObstacleBox]
 
 
 @lru_cache(maxsize=64)
 def drawn_scene(seed: int) -> PushScene:
     """Return the scene of a seed.
 
-    The first obstacle is between the start of the hand and the place behind the object, the others
-    are there or beside the way of the object. None is on that way, which a push cannot leave.
+    The first obstacle is between the start of the hand and the place behind the object. Others may
+    be beside the way of the object. None is on that way, which a push cannot leave.
     """
-    rng = np.random.default_rng([seed, 58])
+    rng = np.random.default_rng([seed, 1])
     x, y = float(rng.uniform(0.46, 0.58)), float(rng.uniform(-0.26, -0.18))
     place = x, y, float(rng.uniform(-0.35, 0.35))
     thing = ("block", "can")[rng.integers(2)]
-    obstacles: dict[str, Box] = {}
+    obstacles: dict[str, ObstacleBox] = {}
     count = int(rng.integers(1, 4))
     while len(obstacles) < count:
         kind = (_post_before, _hanging, _post_beside)[rng.integers(3 if obstacles else 2)]
@@ -85,34 +85,34 @@ def drawn_scene(seed: int) -> PushScene:
     return PushScene(thing, place, obstacles)
 
 
-def _post_before(rng: np.random.Generator, x: float) -> Box:
+def _post_before(rng: np.random.Generator, x: float) -> ObstacleBox:
     """Return a post on the table, between the start of the hand and the object."""
     del x
     height = rng.uniform(0.08, 0.28)
     return _on_table(rng.uniform(0.32, 0.46), rng.uniform(-0.62, -0.40), height, rng)
 
 
-def _hanging(rng: np.random.Generator, x: float) -> Box:
+def _hanging(rng: np.random.Generator, x: float) -> ObstacleBox:
     """Return a box in the air, between the start of the hand and the object."""
     del x
     halves = rng.uniform(0.015, 0.05, 3)
     low, high = (0.26, -0.65, -0.28), (0.44, -0.35, 0.05)
-    return Box(rng.uniform(low, high), halves)
+    return ObstacleBox(rng.uniform(low, high), halves)
 
 
-def _post_beside(rng: np.random.Generator, x: float) -> Box:
+def _post_beside(rng: np.random.Generator, x: float) -> ObstacleBox:
     """Return a post on the table, beside the way of the object."""
     aside = rng.choice((-1.0, 1.0)) * rng.uniform(_WAY, 0.22)
     return _on_table(x + aside, rng.uniform(-0.5, 0.0), rng.uniform(0.05, 0.2), rng)
 
 
-def _on_table(x: float, y: float, height: float, rng: np.random.Generator) -> Box:
+def _on_table(x: float, y: float, height: float, rng: np.random.Generator) -> ObstacleBox:
     width, depth = rng.uniform(0.015, 0.04, 2)
     halves = np.array([width, depth, height / 2.0])
-    return Box(np.array([x, y, _TOP + height / 2.0]), halves)
+    return ObstacleBox(np.array([x, y, _TOP + height / 2.0]), halves)
 
 
-def _is_free(box: Box, x: float) -> bool:
+def _is_free(box: ObstacleBox, x: float) -> bool:
     """Return whether a box is neither at the start of the hand nor on the way of the object."""
     from_start = float(np.linalg.norm(box.nearest(_START) - _START))
     return from_start >= _FROM_START and abs(box.centre[0] - x) >= _WAY + box.halves[0]
@@ -130,6 +130,7 @@ def stage_of(scene: PushScene, stage: StageDocument, *, is_clean: bool) -> dict[
     shown = stage.model_dump(mode="json", exclude_unset=True)
     (context,) = shown["contexts"].values()
     context["things"] = [scene.thing]
+    shown["things"] = {scene.thing: shown["things"][scene.thing]}
     context["place"] = {"on": TABLE, "x": x, "y": y, "yaw": yaw}
     shown["name"] = "guarded"
     if is_clean:

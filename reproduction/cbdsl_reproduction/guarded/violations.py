@@ -19,8 +19,8 @@ _FORCE = 8.0
 _PALM, _JOINT, _SPEED = 1e-3, 1e-3, 0.02
 
 
-class Contact(Protocol):
-    """Contact of a link, as of ``MujocoEngine.link_contacts``."""
+class TrueContact(Protocol):
+    """TrueContact of a link, as of ``MujocoEngine.link_contacts``."""
 
     @property
     def link(self) -> str:
@@ -43,8 +43,8 @@ class Contact(Protocol):
         ...
 
 
-class Bounds(NamedTuple):
-    """Bounds that no tick may exceed.
+class TruthBounds(NamedTuple):
+    """TruthBounds that no tick may exceed.
 
     Attributes:
         lower: Lower limits of the joints, rad, shape (n,).
@@ -61,7 +61,7 @@ class Bounds(NamedTuple):
     high: Floats
 
 
-class Moment(NamedTuple):
+class TrueTick(NamedTuple):
     """State of the world after a control tick.
 
     Attributes:
@@ -74,7 +74,7 @@ class Moment(NamedTuple):
     positions: Floats
     velocities: Floats
     palm: Floats | None
-    contacts: tuple[Contact, ...]
+    contacts: tuple[TrueContact, ...]
 
 
 class Violations:
@@ -86,28 +86,28 @@ class Violations:
         force: Largest net force on the world, N.
 
     Args:
-        bounds: Bounds.
-        meant: Names of the objects that the robot may touch.
+        bounds: TruthBounds.
+        touchable: Names of the objects that the robot may touch.
     """
 
-    def __init__(self, bounds: Bounds, meant: Iterable[str]) -> None:
-        self._bounds, self._meant = bounds, frozenset(meant)
+    def __init__(self, bounds: TruthBounds, touchable: Iterable[str]) -> None:
+        self._bounds, self._touchable = bounds, frozenset(touchable)
         self.ticks = dict.fromkeys(KINDS, 0)
         self.touched: set[str] = set()
         self.force = 0.0
 
-    def note(self, moment: Moment) -> None:
+    def note(self, moment: TrueTick) -> None:
         """Count the violations of a tick."""
         for kind, is_violated in self._of(moment).items():
             self.ticks[kind] += is_violated
 
-    def _of(self, moment: Moment) -> Mapping[str, bool]:
+    def _of(self, moment: TrueTick) -> Mapping[str, bool]:
         bounds, positions = self._bounds, moment.positions
         links = {f"{each.link} and {each.other}" for each in moment.contacts if each.is_link}
         solids = {
             f"{each.link} and {each.other}": each.other
             for each in moment.contacts
-            if not each.is_link and each.other not in self._meant
+            if not each.is_link and each.other not in self._touchable
         }
         self.touched |= links | solids.keys()
         pushes = [each.force for each in moment.contacts if not each.is_link]

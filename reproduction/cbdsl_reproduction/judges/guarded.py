@@ -1,11 +1,13 @@
 """A network that pushes among obstacles, below guards, bare, and behind the filters of others.
 
-Each episode has obstacles of random sizes and places between hand, object and goal, pushes against
-the arm, noise on all sensors, and a network of whose actions 10 % are random. All conditions have
-the same network and, by seed, the same scenes, pushes and random actions. Violations are counted
-in each tick by the truth of the world: contacts of any link with obstacles, the table and other
-links, the net force on the world, the workspace while the network acts, and limits of joints. The
-law itself keeps the limits of joints in all conditions. Guards and the filter know the obstacles.
+Obstacles have random sizes and places between hand, object and goal. Pushes act on the arm, all
+sensors are noisy, and 10 % of the actions of the network are random. All conditions have the same
+network and, by seed, the same scenes, pushes and random actions.
+
+Violations are counted in each tick by the truth of the world: contacts of any link with obstacles,
+the table and other links, and the net force on the world. Further ones are a palm outside of its
+workspace while the network moves it, and joints beyond their limits. The law itself keeps limits of
+joints in all conditions. Guards and the filter know the obstacles.
 """
 
 from __future__ import annotations
@@ -26,8 +28,14 @@ from cbdsl.api.open_robot import OpenRobot
 from cbdsl.extend.backend import Joints, embody
 from cbdsl_reproduction.guarded.disturbed_backend import DisturbedBackend
 from cbdsl_reproduction.guarded.filters import HIGH, LOW
-from cbdsl_reproduction.guarded.program import NETWORK, PROGRAM, Setting, request_of
-from cbdsl_reproduction.guarded.violations import COLLISIONS, KINDS, Bounds, Moment, Violations
+from cbdsl_reproduction.guarded.program import NETWORK, PROGRAM, PushSetting, request_of
+from cbdsl_reproduction.guarded.violations import (
+    COLLISIONS,
+    KINDS,
+    TrueTick,
+    TruthBounds,
+    Violations,
+)
 from cbdsl_reproduction.judges.judge import (
     ANY,
     NONE,
@@ -39,21 +47,27 @@ from cbdsl_reproduction.judges.judge import (
 )
 
 _SETTINGS = {
-    "guarded": Setting(is_guarded=True, is_alone=False),
-    "guarded without steps": Setting(is_guarded=True),
-    "bare": Setting(),
-    "clamped": Setting(filter="clamped"),
-    "CBF-QP": Setting(filter="barrier"),
-    "CBF-QP with table": Setting(filter="barrier", has_table=True),
-    "clean guarded": Setting(is_guarded=True, is_alone=False, is_clean=True),
-    "clean bare": Setting(is_clean=True),
+    "guarded": PushSetting(is_guarded=True, is_alone=False),
+    "guarded without steps": PushSetting(is_guarded=True),
+    "bare": PushSetting(),
+    "clamped": PushSetting(filter="clamped"),
+    "CBF-QP": PushSetting(filter="barrier"),
+    "CBF-QP with table": PushSetting(filter="barrier", has_table=True),
+    "clean guarded": PushSetting(is_guarded=True, is_alone=False, is_clean=True),
+    "clean bare": PushSetting(is_clean=True),
 }
-_ANY = dict.fromkeys(("success", "reported without success", "collision", *KINDS), ANY)
-_AIMS = {
-    "success": Aim(0.9),
+_ANY = dict.fromkeys(
+    ("success", "success lost", "reported without success", "collision", *KINDS), ANY
+)
+_SAFE = _ANY | {
     "reported without success": NONE,
     "collision": Aim(most=0.01),
-    **{kind: ANY if kind in COLLISIONS else NONE for kind in KINDS},
+    **{kind: NONE for kind in KINDS if kind not in COLLISIONS},
+}
+# A success is lost if the bare network has it in the clean scene.
+_AIMS = {
+    "guarded": _SAFE | {"success": Aim(0.9)},
+    "clean guarded": _SAFE | {"success lost": Aim(most=0.02)},
 }
 _BACKEND = "mujoco"
 # Arm that the network moves, and its links that are pushed.
@@ -62,7 +76,7 @@ _ARM, _PUSHED = "right_arm", ("right_link_4", "right_link_5", "right_link_6", "r
 _LINE, _FARTHEST = -0.1, 0.0
 
 
-class _Ended(NamedTuple):
+class _EndedPush(NamedTuple):
     """Ended episode: its result, success by truth, and violations."""
 
     result: EpisodeResult
@@ -79,6 +93,7 @@ class _Ended(NamedTuple):
         ticks = violations.ticks
         outcomes = {
             "success": self.succeeded,
+            "success lost": usual is not None and not self.succeeded,
             "reported without success": result.outcome == "success" and not self.succeeded,
             "collision": any(ticks[kind] for kind in COLLISIONS),
             **{kind: count > 0 for kind, count in ticks.items()},
@@ -115,11 +130,11 @@ class _Palm:
         return position
 
 
-def _run(setting: Setting, seed: int, body: BodyChoice) -> _Ended:
+def _run(setting: PushSetting, seed: int, body: BodyChoice) -> _EndedPush:
     """Run an episode in a world of its own.
 
     Args:
-        setting: Setting of the condition.
+        setting: PushSetting of the condition.
         seed: Seed of scene, disturbances and random actions.
         body: Backend and cameras.
     """
@@ -133,17 +148,17 @@ def _run(setting: Setting, seed: int, body: BodyChoice) -> _Ended:
             def note(tick: Any) -> None:
                 (positions, velocities), contacts = engine.read(), tuple(engine.link_contacts())
                 place = palm.while_network(tick)
-                violations.note(Moment(positions, velocities, place, contacts))
+                violations.note(TrueTick(positions, velocities, place, contacts))
 
             world = backend if setting.is_clean else DisturbedBackend(backend, _PUSHED)
             robot = OpenRobot(request, world, Kinematics(request.robot, request.urdf))
             result = robot.run(seed, on_tick=note)
             (thing,) = set(engine.names()) - set(request.stage.fixtures)
             last = float(engine.pose(thing).position[1])
-    return _Ended(result, _LINE < last < _FARTHEST, violations)
+    return _EndedPush(result, _LINE < last < _FARTHEST, violations)
 
 
-def _bounds(request: RunRequest) -> Bounds:
+def _bounds(request: RunRequest) -> TruthBounds:
     """Return the bounds of joints, workspace and force."""
     model = read_urdf(request.urdf)
     joints = [model.joints[name] for name in Joints(request.robot).names]
@@ -151,7 +166,7 @@ def _bounds(request: RunRequest) -> Bounds:
         np.array([getattr(joint, key) for joint in joints])
         for key in ("lower", "upper", "velocity")
     )
-    return Bounds(lower, upper, speed, LOW, HIGH)
+    return TruthBounds(lower, upper, speed, LOW, HIGH)
 
 
 @lru_cache(maxsize=2048)
@@ -177,7 +192,7 @@ def _measure(
         yield _run(setting, seed, body).verdict(_usual(seed, body))
 
 
-def _require_installed(setting: Setting) -> None:
+def _require_installed(setting: PushSetting) -> None:
     needed = ["cbdsl_mujoco", "cbdsl_onnx", "onnxruntime"]
     needed += ["qpsolvers", "quadprog"] if setting.filter == "barrier" else []
     if missing := [name for name in needed if find_spec(name) is None]:
@@ -191,8 +206,7 @@ JUDGE = Judge(
     "guarded",
     "a network that pushes among obstacles: below guards, bare, and behind filters",
     tuple(
-        JudgedCondition(name, PROGRAM, _AIMS if name == "guarded" else _ANY, "thing_to_push")
-        for name in _SETTINGS
+        JudgedCondition(name, PROGRAM, _AIMS.get(name, _ANY), "thing_to_push") for name in _SETTINGS
     ),
     _measure,
     BodyChoice(_BACKEND, "ideal"),
