@@ -17,7 +17,7 @@ _PUSHES, _BEGIN, _LENGTH, _LEAST, _MOST = 4, (0.5, 9.0), 0.2, 5.0, 20.0
 
 
 class LinkPush(NamedTuple):
-    """LinkPush against a link: its begin, s, and its force in the world frame, N, shape (3,)."""
+    """Push against a link: its begin, s, and its force in the world frame, N, shape (3,)."""
 
     link: str
     begin: float

@@ -22,7 +22,7 @@ _LAST = "withdraw"
 
 
 class PushSetting(NamedTuple):
-    """PushSetting of a condition.
+    """Setting of a condition.
 
     Attributes:
         is_guarded: True for the guards and bounds of the shipped program.
@@ -43,7 +43,7 @@ def request_of(setting: PushSetting, seed: int, folder: Path) -> RunRequest:
     """Write the program and the stage of an episode to a folder, and load them.
 
     Args:
-        setting: PushSetting of the condition.
+        setting: Setting of the condition.
         seed: Seed of the scene and of the random actions.
         folder: Folder for the documents.
     """
@@ -74,9 +74,9 @@ def _modifiers(setting: PushSetting, seed: int, name: str, pace: float) -> dict[
     if name in NETWORK and not setting.is_clean:
         modifiers["random_actions"] = {**_RANDOM, "seed": seed}
     if setting.filter:
-        known = {"scene": seed, "table": int(setting.has_table)}
-        scene = known if setting.filter == "barrier" else {}
-        modifiers[setting.filter] = {"pace": f"{pace} /s", **scene}
+        modifiers[setting.filter] = {"pace": f"{pace} /s"}
+    if setting.filter == "barrier":
+        modifiers["barrier"] |= {"scene": seed, "table": int(setting.has_table)}
     return modifiers
 
 

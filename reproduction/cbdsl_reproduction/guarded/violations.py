@@ -20,7 +20,7 @@ _PALM, _JOINT, _SPEED = 1e-3, 1e-3, 0.02
 
 
 class TrueContact(Protocol):
-    """TrueContact of a link, as of ``MujocoEngine.link_contacts``."""
+    """Contact of a link, as of ``MujocoEngine.link_contacts``."""
 
     @property
     def link(self) -> str:
@@ -44,7 +44,7 @@ class TrueContact(Protocol):
 
 
 class TruthBounds(NamedTuple):
-    """TruthBounds that no tick may exceed.
+    """Bounds that no tick may exceed.
 
     Attributes:
         lower: Lower limits of the joints, rad, shape (n,).
@@ -86,7 +86,7 @@ class Violations:
         force: Largest net force on the world, N.
 
     Args:
-        bounds: TruthBounds.
+        bounds: Bounds of all ticks.
         touchable: Names of the objects that the robot may touch.
     """
 

@@ -134,7 +134,7 @@ def _run(setting: PushSetting, seed: int, body: BodyChoice) -> _EndedPush:
     """Run an episode in a world of its own.
 
     Args:
-        setting: PushSetting of the condition.
+        setting: Setting of the condition.
         seed: Seed of scene, disturbances and random actions.
         body: Backend and cameras.
     """
