@@ -78,7 +78,7 @@ def composed_program(
         if each in changes.targets:
             changed["reference"] = [f"{value:.4f} m" for value in changes.targets[each]]
     made: Plain = {**source, "name": name, "stage": stage, "controllers": controllers}
-    # Roles are bound when a program runs; the description tells how they were.
+    # Roles are bound when a program runs; the description states their parts.
     roles = source.get("roles", {})
     bound = ", ".join(f"{key}={value}" for key, value in values.items() if key in roles)
     made["description"] = f"Composed by hand from {before} while it ran{bound and ' with '}{bound}."
