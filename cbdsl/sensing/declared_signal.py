@@ -31,7 +31,6 @@ def declared_reader(
         PluginError: The package's function raises. The reader also raises it, or SensorError if a
             value is not finite.
     """
-    # The signal of a model names its reader; that of a sensor has a kind that does.
     asked: Any = signal
     is_model = hasattr(asked, "reader")
     place = asked.reader if is_model else SOURCES.get(asked.kind).reader

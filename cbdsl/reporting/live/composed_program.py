@@ -145,8 +145,7 @@ def _words(value: object) -> list[str]:
 
 def _ordered(made: Plain) -> list[str]:
     """Return keys in the order used in programs."""
-    fields = ProgramDocument.model_fields
-    order = ["cbdsl", "kind", *(field.alias or name for name, field in fields.items())]
+    order = ["cbdsl", "kind", *(f.alias or n for n, f in ProgramDocument.model_fields.items())]
     return sorted(made, key=lambda key: order.index(key) if key in order else len(order))
 
 
