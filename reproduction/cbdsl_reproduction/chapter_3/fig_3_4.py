@@ -28,7 +28,7 @@ from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.region import above, at_least, at_most, below
 from cbdsl_reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 
-_ARM, _REACH = "right_arm", "reach"
+_ARM, _REACH, _APPROACH = "right_arm", "reach", "approach"
 #: Actions of the program by the source's names of the laws.
 _LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
 
@@ -169,7 +169,7 @@ def _reach(
     def note(tick: Tick) -> None:
         if tick.run.action is None or tick.run.action.name != action:
             return
-        reach = next(run for run in tick.run.runs if run.controller.name == _REACH)
+        reach = next(run for run in tick.run.runs if run.controller.name == _APPROACH)
         # The reach has no reference until the ball is found.
         if math.isnan(reach.phi):
             return
