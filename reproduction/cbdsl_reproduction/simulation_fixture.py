@@ -55,7 +55,7 @@ def simulation_fixture(
     """Set up a shipped program and its robot on the simulator.
 
     Args:
-        name: Name of the shipped program.
+        name: Name of the shipped program, or file of another.
         values: Values of its parameters.
         stage: Name of a stage that replaces the program's own.
         engine: Name of the backend.

@@ -119,7 +119,6 @@ def nearest_by_enumeration(velocity: Floats, rows: Floats, least: Floats) -> Flo
 def test_safe_velocity_is_the_nearest_one_by_enumeration(
     velocity: Floats, constraints: list[tuple[Floats, float]]
 ) -> None:
-    pytest.importorskip("qpsolvers")
     rows = np.array([row for row, _ in constraints])
     least = np.array([bound for _, bound in constraints])
     safe, expected = (
@@ -150,7 +149,6 @@ def test_signed_distance_agrees_with_its_slope(place: Floats, obstacle: Obstacle
 def test_barriers_decay_no_faster_than_their_rate(
     offset: Floats, velocity: Floats, boxes: list[ObstacleBox]
 ) -> None:
-    pytest.importorskip("qpsolvers")
     palm, period = 0.5 * (LOW + HIGH) + 0.3 * offset, 1e-3
     rows, least = barriers(palm, boxes)
     if nearest_by_enumeration(np.zeros(3), rows, least) is None or (least > 0).any():
@@ -360,7 +358,7 @@ def test_noise_stays_the_same_until_the_next_step() -> None:
 # The judge
 
 
-@pytest.mark.parametrize("missing", ["cbdsl_onnx", "qpsolvers"])
+@pytest.mark.parametrize("missing", ["cbdsl_onnx", "onnxruntime"])
 def test_missing_package_is_named_with_its_extra(
     monkeypatch: pytest.MonkeyPatch, missing: str
 ) -> None:
@@ -405,8 +403,6 @@ def test_written_documents_of_each_condition_have_no_findings(
 @pytest.mark.parametrize("condition", JUDGE.conditions, ids=lambda each: each.name)
 def test_episode_of_each_condition_is_judged(condition: Any, tmp_path: Path) -> None:
     pytest.importorskip("onnxruntime")
-    if "CBF" in condition.name:
-        pytest.importorskip("qpsolvers")
     (verdict,) = JUDGE.measure(condition, JUDGE.body, [20_004])
     assert set(condition.aims) == set(verdict.outcomes)
     assert "success lost" in verdict.outcomes and verdict.seed == 20_004
@@ -437,8 +433,6 @@ def test_filter_spares_the_hand_alone_and_guards_spare_all_links(
     monkeypatch: pytest.MonkeyPatch, obstacle: ObstacleBox, condition: str, is_touched: bool
 ) -> None:
     pytest.importorskip("onnxruntime")
-    if condition == "CBF-QP":
-        pytest.importorskip("qpsolvers")
     scene = PushScene("block", (0.52, -0.22, 0.0), {"obstacle_1": obstacle})
     for module in (filters, program):
         monkeypatch.setattr(module, "drawn_scene", lambda seed: scene)

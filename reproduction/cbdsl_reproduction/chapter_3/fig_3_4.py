@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,9 @@ from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.region import above, at_least, at_most, below
 from cbdsl_reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 
-_ARM, _REACH, _APPROACH = "right_arm", "reach", "approach"
+_ARM, _REACH = "right_arm", "reach"
+#: The shipped reach also points the hand, which leaves less to the potentials below.
+PROGRAM = Path(__file__).with_name("reach_ball.yaml")
 #: Actions of the program by the source's names of the laws.
 _LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
 
@@ -107,7 +110,7 @@ def run(settings: RunSettings) -> Result:
     """Reach for every place under every law."""
     places = _QUICK_PLACES if settings.quick else _PLACES
     reaches: dict[str, list[_Reach]] = {law: [] for law in _LAWS}
-    with simulation_fixture("reach") as lab:
+    with simulation_fixture(str(PROGRAM)) as lab:
         for number, (law, index) in enumerate(product(_LAWS, range(len(places))), start=1):
             runner = lab.runner(_policy(lab.program.policy, _LAWS[law]))
             stage, seed = _stage(lab, places[index]), settings.seed + index
@@ -169,7 +172,7 @@ def _reach(
     def note(tick: Tick) -> None:
         if tick.run.action is None or tick.run.action.name != action:
             return
-        reach = next(run for run in tick.run.runs if run.controller.name == _APPROACH)
+        reach = next(run for run in tick.run.runs if run.controller.name == _REACH)
         # The reach has no reference until the ball is found.
         if math.isnan(reach.phi):
             return

@@ -187,14 +187,13 @@ def _measure(
     setting = _SETTINGS[condition.name]
     if body.backend != _BACKEND:
         raise UsageError("the judge 'guarded' pushes links in MuJoCo; leave out --backend")
-    _require_installed(setting)
+    _require_installed()
     for seed in seeds:
         yield _run(setting, seed, body).verdict(_usual(seed, body))
 
 
-def _require_installed(setting: PushSetting) -> None:
-    needed = ["cbdsl_mujoco", "cbdsl_onnx", "onnxruntime"]
-    needed += ["qpsolvers", "quadprog"] if setting.filter == "barrier" else []
+def _require_installed() -> None:
+    needed = ("cbdsl_mujoco", "cbdsl_onnx", "onnxruntime")
     if missing := [name for name in needed if find_spec(name) is None]:
         raise UsageError(
             f"the judge 'guarded' needs {' and '.join(missing)}: "
