@@ -184,9 +184,9 @@ def _refusal(
     if not set(wanted) & earned:
         ours = " or ".join(sorted({each.signal for each in wanted}))
         theirs = " and ".join(sorted({each.signal for each in earned}))
-        return f"'{other.name}' is rewarded for {theirs}, and what follows goes by {ours}"
+        return f"'{other.name}' is rewarded for {theirs}, and this program goes by {ours}"
     if not set(wanted) & signals_at_its_end(other):
-        return f"'{other.name}' does not end with what it is rewarded for"
+        return f"'{other.name}' does not end with its rewarded signals"
     missing = sorted(set(places) - places_seen(other))
     if missing:
         return f"'{other.name}' does not go by {' and '.join(missing)}"

@@ -72,7 +72,8 @@ class NearestLinks:
         """
         arrays = self._links.arrays
         self._links.measure(positions)
-        while not arrays.pairs["near"].any():  # such as those of an object far away
+        # Objects may be far away. An infinite bound ends the search: no posture is finite then.
+        while not arrays.pairs["near"].any() and math.isfinite(arrays.bounds[1]):
             arrays.bounds[1], arrays.at[:] = 2.0 * arrays.bounds[1], math.nan
             self._links.measure(positions)
         number = int(np.argmin(np.where(arrays.pairs["near"], arrays.pairs["distance"], np.inf)))

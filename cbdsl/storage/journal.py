@@ -260,8 +260,8 @@ def damaged(
     option = "" if undertaking == "calibration" else ", with --resume where it has that"
     whole, aside = quote(str(path)), quote(f"{path}.damaged")
     return DamagedJournalError(
-        f"{path}, line {number}: {problem}; the journal is damaged, and was left as it is. What "
-        f"stands above is whole, and the same command goes on there{option}, after: "
+        f"{path}, line {number}: {problem}; the journal is damaged, and was left unchanged. The "
+        f"lines above are whole, and the same command goes on there{option}, after: "
         f"mv {whole} {aside} && head -n {number - 1} {aside} > {whole}"
     )
 

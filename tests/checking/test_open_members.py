@@ -64,7 +64,7 @@ def test_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Allocati
     ("arm", "program", "reason"),
     [
         ("right_arm", "handover", "goes by right_hand.finger_forces"),
-        ("left_arm", "pick_and_lift", "does not end with what it is rewarded for"),
+        ("left_arm", "pick_and_lift", "does not end with its rewarded signals"),
         ("left_arm", "tactileprobe", "does not go by stereo.red"),
         ("right_arm", "reachtouch", "'grasp' uses 'reachtouch' itself"),
     ],

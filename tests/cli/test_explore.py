@@ -148,7 +148,7 @@ def test_actions_join_an_exploration_that_has_begun(
     capsys.readouterr()
     left = ["explore", "reachtouch", *to, "--actions", "11", "--join"]
     assert cb(monkeypatch, *left) == 2
-    assert "what was there has to stay" in capsys.readouterr().err
+    assert "the earlier programs and policies remain" in capsys.readouterr().err
 
 
 def test_action_that_cannot_run_is_left_out_and_the_rest_goes_on(

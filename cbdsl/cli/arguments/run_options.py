@@ -29,7 +29,7 @@ Episodes = Annotated[
 Workers = Annotated[
     int,
     typer.Option(
-        "--workers", min=1, help="Simulators: number of parallel processes, which tell endings."
+        "--workers", min=1, help="Simulators: parallel processes; only endings are printed."
     ),
 ]
 Watch = Annotated[

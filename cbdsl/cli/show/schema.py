@@ -39,7 +39,7 @@ def show_schema(
     """
     form = read_format(format_, as_json)
     if against is not None and form is not Format.TEXT:
-        raise UsageError("--against compares the texts of two schemas, whatever --format")
+        raise UsageError("--against compares the texts of two schemas: leave out --format")
     schema = _read(name)
     if against is not None:
         print(_difference(_read(against), schema), end="")

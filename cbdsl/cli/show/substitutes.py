@@ -41,7 +41,7 @@ def show_substitutes(
     if form is Format.JSON:
         print_json(rows)
     elif not rows:
-        print(f"no program is rewarded for what {path.stem} is rewarded for")
+        print(f"no program has a rewarded kind in common with {path.stem}")
     else:
         print_table(f"Substitutes in {path.stem}", rows)
 

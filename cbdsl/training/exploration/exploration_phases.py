@@ -126,7 +126,7 @@ def _require_joinable(
         else:
             require_same(path, known, requested, _NOUN)
     except JournalError as error:
-        hint = "what was there has to stay" if joins else "with --join others join it"
+        hint = "the earlier programs and policies remain" if joins else "with --join others join it"
         raise JournalError(f"{error}; {hint}") from None
 
 

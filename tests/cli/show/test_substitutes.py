@@ -28,4 +28,4 @@ def test_unrewarded_program_has_no_substitutes(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "substitutes", "posture") == 0
-    assert "no program is rewarded for what posture" in capsys.readouterr().out
+    assert "no program has a rewarded kind in common with posture" in capsys.readouterr().out

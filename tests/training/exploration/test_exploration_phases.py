@@ -50,7 +50,7 @@ def test_earlier_actions_of_a_joined_exploration_cannot_change(
     path: Path, other: dict[str, Any]
 ) -> None:
     before = path.read_text()
-    with pytest.raises(JournalError, match="what was there has to stay"):
+    with pytest.raises(JournalError, match="the earlier programs and policies remain"):
         open_journal(path, other, joins=True)
     assert path.read_text() == before
 
