@@ -2,7 +2,8 @@
 
 ``python benchmarks/first_causes.py --seeds 20`` runs the judged programs. Explanations were
 developed with ``--set developed``, which has other programs. Injections act through programs,
-stages, and the simulated backend; ``cb why`` reads recordings alone.
+stages, and the simulated backend; ``cb why`` reads recordings alone. ``--keep`` and ``--explain``
+record the episodes once, and explain them by later rules.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import argparse
 import json
 import time
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -40,6 +41,10 @@ PUBLISHED = (
 )  # fmt: skip
 # Difference of the first tick from the injection that counts as right, s.
 _NEAR = 0.2
+# Time of an episode of most programs, s.
+_TIME = 90.0
+# File that lists the kept recordings, one JSON array a line.
+_INDEX = "recordings.jsonl"
 
 
 class CauseVerdict(NamedTuple):
@@ -52,7 +57,7 @@ class CauseVerdict(NamedTuple):
         failed: True if the episode failed; others have nothing to explain.
         late: Difference of the first tick from the injection, s; NaN without a time.
         sentence: Words of the named cause, or of the reasons why none is named.
-        seconds: Time that the explanation took, s.
+        seconds: CPU time that the explanation took, s.
     """
 
     kind: str
@@ -64,38 +69,54 @@ class CauseVerdict(NamedTuple):
     seconds: float
 
 
-def verdicts(
-    injection: Injection, seeds: Sequence[int], backend: str, keep: Path | None = None
-) -> Iterator[CauseVerdict]:
-    """Run the episodes of an injection, and yield the verdicts on their explanations.
+class RecordedInjection(NamedTuple):
+    """Recorded episode of an injection.
+
+    Attributes:
+        place: Index of the injection in its set.
+        begin: Time from which the fault acted, s; ``None`` without a time.
+        file: JSON file of the recording.
+    """
+
+    place: int
+    begin: float | None
+    file: Path
+
+
+def recorded(
+    chosen: Sequence[Injection], index: int, seed: int, options: argparse.Namespace, keep: Path
+) -> RecordedInjection:
+    """Record an episode of an injection, and list it in the folder's index.
 
     Args:
-        injection: Injected cause.
-        seeds: Seeds of the episodes.
-        backend: Name of the simulated backend.
-        keep: Folder that keeps the recordings, if any.
+        chosen: Injections of the set.
+        index: Index of the injection in the set.
+        seed: Seed of the episode.
+        options: Options of the command: backend, and time of an episode.
+        keep: Folder of the recordings.
     """
+    injection = chosen[index]
     with TemporaryDirectory() as folder:
-        program = written(injection.edits, Path(folder), injection.program)
+        program = written(injection.edits, Path(folder), injection.program, options.time)
         on = {"robot": "panda"} if injection.program == "pick" else {}
         request = cbdsl.load(program, stage=injection.stage or None, values=on)
-        for seed in seeds:
-            # A new backend for each episode: faults change it.
-            with cbdsl.simulate(request, backend=backend, cameras="ideal") as world:
-                robot = world.robot.backend
-                assert isinstance(robot, SimulatedBackend)
-                fault = injection.fault(robot) if injection.fault else None
-                recording = Recording(request.program, request.robot, request.urdf)
-                ended: list[EpisodeResult] = []
-                observers = [recording, _End(ended), *([fault] if fault else [])]
-                # An episode that cannot go on is recorded up to its error.
-                with suppress(EpisodeError):
-                    world.robot.runner().run(
-                        request.stage, seed, observer=EpisodeObservers(*observers)
-                    )
-                target = Path(folder) if keep is None else keep / injection.title
-                file = recording.write(target, ended[0])
-            yield explained(injection, file, None if fault is None else fault.time)
+        # A new backend for each episode: faults change it.
+        with cbdsl.simulate(request, backend=options.backend, cameras="ideal") as world:
+            robot = world.robot.backend
+            assert isinstance(robot, SimulatedBackend)
+            fault = injection.fault(robot) if injection.fault else None
+            recording = Recording(request.program, request.robot, request.urdf)
+            ended: list[EpisodeResult] = []
+            observers = [recording, _End(ended), *([fault] if fault else [])]
+            # An episode that cannot go on is recorded up to its error.
+            with suppress(EpisodeError):
+                world.robot.runner().run(request.stage, seed, observer=EpisodeObservers(*observers))
+            # Some injections have the same kind: a folder of its own parts their seeds.
+            file = recording.write(keep / f"{index}_{injection.title}", ended[0])
+    row = RecordedInjection(index, None if fault is None else fault.time, file.relative_to(keep))
+    with (keep / _INDEX).open("a") as rows:
+        print(json.dumps((index, row.begin, str(row.file))), file=rows)
+    return row
 
 
 class _End(EpisodeObserver):
@@ -110,10 +131,10 @@ class _End(EpisodeObserver):
 
 def explained(injection: Injection, file: Path, begin: float | None) -> CauseVerdict:
     """Return the verdict on the explanation of a recording, whose fault began at a time, s."""
-    started = time.perf_counter()
+    started = time.process_time()
     history = History(read_recording(file))
     diagnosis = diagnose(history)
-    seconds = time.perf_counter() - started
+    seconds = time.process_time() - started
     cause, late = diagnosis.cause, np.nan
     if cause is not None and begin is not None:
         late = float(history.time[cause.tick]) - begin
@@ -123,8 +144,15 @@ def explained(injection: Injection, file: Path, begin: float | None) -> CauseVer
     return CauseVerdict(injection.kind, title, named, diagnosis.failed, late, sentence, seconds)
 
 
-def written(edits: Edits, folder: Path, program: str) -> str | Path:
-    """Write the edited documents to a folder, and return the program to run."""
+def written(edits: Edits, folder: Path, program: str, limit: float = _TIME) -> str | Path:
+    """Write the edited documents to a folder, and return the program to run.
+
+    Args:
+        edits: Replacements by name of the document.
+        folder: Folder of the written documents.
+        program: Name of the program.
+        limit: Time of an episode in place of 90 s, s.
+    """
     library = Library()
     for name, replacements in edits.items():
         kind = StageDocument if library.find(StageDocument, name) else ProgramDocument
@@ -134,12 +162,14 @@ def written(edits: Edits, folder: Path, program: str) -> str | Path:
                 raise ValueError(f"{name}: '{before.strip()}' is not in its text")
             text = text.replace(before, after, 1)
         (folder / f"{name}.yaml").write_text(text, "utf-8")
-    if not edits:
+    if not edits and limit == _TIME:
         return program
     # Documents beside a program are found before others of the same name.
     target = folder / f"{program}.yaml"
     if not target.exists():
         target.write_text(library.text(library.locate(ProgramDocument, program)), "utf-8")
+    text = target.read_text("utf-8")
+    target.write_text(text.replace("episode_time: 90 s", f"episode_time: {limit:g} s"), "utf-8")
     return target
 
 
@@ -183,19 +213,38 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=900, help="First seed.")
     parser.add_argument("--kinds", default="", help="Kinds, parted by commas, or unlisted [all].")
     parser.add_argument("--backend", default="mujoco")
+    parser.add_argument("--time", type=float, default=_TIME, help="Time of an episode, s.")
     parser.add_argument("--keep", type=Path, help="Folder that keeps the recordings.")
+    parser.add_argument("--explain", type=Path, help="Folder of kept recordings: run none.")
+    parser.add_argument("--quiet", action="store_true", help="Record, and explain nothing.")
     options = parser.parse_args()
     chosen = DEVELOPED if options.set == "developed" else JUDGED
+    kinds = options.kinds.split(",") if options.kinds else []
+    own = [n for n, e in enumerate(chosen) if not kinds or (e.kind or "unlisted") in kinds]
     results = []
-    for injection in chosen:
-        if options.kinds and (injection.kind or "unlisted") not in options.kinds.split(","):
-            continue
+    with TemporaryDirectory() as temporary:
+        keep = options.explain or options.keep or Path(temporary)
+        keep.mkdir(parents=True, exist_ok=True)
         seeds = range(options.first, options.first + options.seeds)
-        for verdict in verdicts(injection, seeds, options.backend, options.keep):
-            results.append(verdict)
-            print(json.dumps(verdict._asdict()), flush=True)
+        rows: Iterable[RecordedInjection] = (
+            kept(keep, own)
+            if options.explain
+            else (recorded(chosen, n, seed, options, keep) for seed in seeds for n in own)
+        )
+        for row in rows:
+            if not options.quiet:
+                results.append(explained(chosen[row.place], keep / row.file, row.begin))
+                print(json.dumps(results[-1]._asdict()), flush=True)
     print(table(results))
-    print(f"at most {max((each.seconds for each in results), default=0.0):.1f} s an episode")
+    print(f"at most {max((each.seconds for each in results), default=0.0):.1f} CPU s an episode")
+
+
+def kept(keep: Path, indices: Sequence[int]) -> Iterator[RecordedInjection]:
+    """Yield the kept recordings of some injections of a set."""
+    for line in (keep / _INDEX).read_text().splitlines():
+        index, begin, file = json.loads(line)
+        if index in indices:
+            yield RecordedInjection(index, begin, Path(file))
 
 
 if __name__ == "__main__":

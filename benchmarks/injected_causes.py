@@ -15,6 +15,7 @@ from injected_faults import (
     ChangedModel,
     DelayedReadings,
     Distortion,
+    Drift,
     FrozenJoint,
     Halt,
     InjectedSlip,
@@ -97,6 +98,27 @@ _APPROACH, _SIZE = (
     "size: [0.58 span, 0.58 span, 0.58 span]",
 )
 _TOP = "  reach: posture ◁ orient ◁ approach\n"
+_SHORT = ("episode_time: 90 s", "episode_time: 30 s")
+# A post on the way of the fingers.
+_POST = (
+    (
+        "contexts:\n",
+        "  post: {form: {shape: box, size: [4 cm, 4 cm, 18 cm]}, mass: 3 kg, color: [0, 0, 0.5]}\n"
+        "contexts:\n",
+    ),
+    (
+        "    things: [ball]\n    place: &half_of_table {on: table, x: [40 cm, 70 cm],"
+        " y: [-38 cm, -6 cm], yaw: [-90 deg, 90 deg]}\n    joints: &looking",
+        "    placed:\n      ball:\n        things: [ball]\n"
+        "        place: &half_of_table {on: table, x: [45 cm, 60 cm], y: [-30 cm, -15 cm]}\n"
+        "      post: {things: [post], place: {beside: {name: ball, by: 9 cm}}}\n"
+        "    joints: &looking",
+    ),
+)
+_ONLY = tuple(
+    (f"  {name}: {{things: [{name}], place: *half_of_table, joints: *looking}}\n", "")
+    for name in ("cube", "cylinder", "light_box")
+)
 _BELOW = "  reach: orient ◁ approach ◁ posture\n"
 
 
@@ -124,6 +146,12 @@ DEVELOPED = (
     Injection("slip", _PICK, fault=InjectedSlip),
     Injection("translation", _PICK, {_TOUCH: [(_SEEN, _OFF.format(14))]}),
     Injection("rotation", _PICK, {_TOUCH: [(_DOWN, _TILTED)]}),
+    Injection(
+        "no_rotation",
+        _PICK,
+        {_TOUCH: [("posture ◁ orient ◁ approach", "posture ◁ approach")], _PICK: [_SHORT]},
+    ),
+    Injection("wrong_object", _PICK, {_TABLE: [*_POST, *_ONLY], _PICK: [_SHORT]}),
     Injection("wrong_order", _PICK, {_PICK: [(_STEPS, _SWAPPED), (_RETRY, _AGAIN)]}),
     Injection("never_seen", "reach", stage="absent"),
     Injection("lost", _PICK, fault=Removal),
@@ -153,6 +181,7 @@ DEVELOPED = (
     _unlisted("drifting loads", _PICK, fault=partial(Distortion, drifting_loads)),
     _unlisted("encoder offset", _PICK, fault=partial(Distortion, offset_joint)),
     _unlisted("shifted rows", _PICK, fault=partial(Distortion, shifted_rows)),
+    _unlisted("drift", _PICK, {_PICK: [_SHORT]}, Drift),
     _unlisted("stale images", _PICK, fault=lambda backend: Distortion(StaleImages(), backend)),
 )
 

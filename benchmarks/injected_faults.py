@@ -323,6 +323,15 @@ def weak_drives(model: Any) -> None:
     model.actuator_biasprm[:, 1:3] *= 0.02
 
 
+class Drift(WorldFault):
+    """Object that a hidden belt carries along its level, 12 cm/s, from the approach on."""
+
+    repeats = True
+
+    def inject(self) -> None:
+        self.take_away(0.12 * self.backend.control_period)
+
+
 class Wind(WorldFault):
     """Force that pushes the object all the time."""
 

@@ -18,6 +18,7 @@ from cbdsl.extend.command import (
     grouped,
     needing_simulation,
     open_page,
+    print_problem,
     require_room,
     write_page,
 )
@@ -73,7 +74,8 @@ def why(
     stay, and no exit skips a step.
 
     Exit 0 if each episode succeeded or has a known cause, and 3 if a cause is unknown. Exit 1 if a
-    document has errors, and 2 if there is nothing to explain.
+    document has errors, and 2 if there is nothing to explain, or a recording cannot be read; the
+    others of its folder are explained.
     """
     if page is not None:
         require_room(page)
@@ -81,10 +83,15 @@ def why(
         raise UsageError("--workers and --watch are for cb run: cb why runs episodes one by one")
     if (try_ or apply) and _is_recording(what):
         raise UsageError("a recording cannot run again: give the program and its seed to --try")
-    unknown = False
+    unknown = unread = False
     with _recordings(what, options) as files:
         for file in files:
-            history, diagnosis = diagnosed(file)
+            try:
+                history, diagnosis = diagnosed(file)
+            except UsageError as error:
+                print_problem(str(error))
+                unread = True
+                continue
             row = diagnosis_row(history, diagnosis)
             row["changed"] = history.recorded.program_change()
             if (try_ or apply) and diagnosis.failed:
@@ -100,8 +107,8 @@ def why(
                 if open_:
                     open_page(page)
                 page = None
-    if unknown:
-        raise typer.Exit(3)
+    if unread or unknown:
+        raise typer.Exit(2 if unread else 3)
 
 
 @contextmanager

@@ -45,7 +45,7 @@ def contact(history: History) -> Iterator[FailureCause]:
     """Yield the contacts that a hand missed or lost, and never had again."""
     for hand in history.hands:
         courses = [each for each in history.courses if each.effector == hand and each.grasps]
-        held = np.any([each.rests for each in courses], axis=0)
+        held = np.any([history.rests(each) for each in courses], axis=0)
         last_held = max(np.flatnonzero(held), default=-1)
         for kind in (_slips, _strays, _misses):
             events = list(kind(history, courses))
@@ -57,7 +57,7 @@ def contact(history: History) -> Iterator[FailureCause]:
 
 def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
     """Yield the ticks in which a hand that held an object felt it no more."""
-    held = np.any([each.rests for each in courses], axis=0)
+    held = np.any([history.rests(each) for each in courses], axis=0)
     in_contact = np.any([each.defined for each in courses], axis=0)
     # At a change of action no controller of the hand is active for a tick or two.
     for first, last in spans(~in_contact):
@@ -67,7 +67,12 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
         ends = last + 1
         if ends > history.last or not held[first:ends].any():
             continue
-        losers = [each for each in courses if history.lacks(each)[last : ends + 1].any()]
+        # Fingers that only lean on an object, to feel or to free it, do not hold it.
+        losers = [
+            each
+            for each in courses
+            if history.lacks(each)[last : ends + 1].any() and not each.strength < _PRESSED
+        ]
         if not losers or _opens(history, courses[0].effector, ends):
             continue
         force = float(history.forces(courses[0].effector)[max(first, last - 5) : ends].max())
@@ -231,7 +236,7 @@ def _moved(history: History) -> Iterator[FailureCause]:
     """Yield the objects that a touch moved before a hand held them, if no hand ever did."""
     for hand in history.hands:
         courses = [each for each in history.courses if each.effector == hand and each.grasps]
-        if np.any([each.rests for each in courses]):
+        if np.any([history.rests(each) for each in courses]):
             continue
         touched = np.flatnonzero(history.forces(hand) > _TOUCH)
         place = approached(history, history.last)

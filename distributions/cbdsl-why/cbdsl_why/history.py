@@ -99,12 +99,6 @@ class ControllerCourse(NamedTuple):
         return defined
 
     @property
-    def rests(self) -> Mask:
-        """True while it is at rest, shape (T,)."""
-        rests: Mask = (self.letters == "1") & self.defined
-        return rests
-
-    @property
     def program(self) -> str:
         """Use of the program that it belongs to, with a dot behind; empty for the main one."""
         return self.name[: self.name.rfind(".") + 1]
@@ -113,6 +107,12 @@ class ControllerCourse(NamedTuple):
     def grasps(self) -> bool:
         """True if the hand that it moves feels the forces that it controls."""
         return self.unit == "N" and self.feedback.split(".")[0] == self.effector.split(".")[0]
+
+    @property
+    def strength(self) -> float:
+        """Reference force along the normals of the fingertips, N; NaN for another reference."""
+        force, along, _ = self.reference.partition(" N along ")
+        return float(force) if along else float("nan")
 
     def measure(self, error: float) -> str:
         """Return an error in its reported unit."""
@@ -178,17 +178,26 @@ class History:
         return transitions
 
     def lacks(self, course: ControllerCourse) -> Mask:
-        """Return the ticks in which a controller is undefined, shape (T,).
+        """Return the ticks in which a controller is undefined, shape (T,)."""
+        mask: Mask = (course.letters == "-") | self._ends(course, "-")
+        return mask
+
+    def rests(self, course: ControllerCourse) -> Mask:
+        """Return the ticks in which a controller is at rest, shape (T,)."""
+        mask: Mask = ((course.letters == "1") & course.defined) | self._ends(course, "1")
+        return mask
+
+    def _ends(self, course: ControllerCourse, letter: str) -> Mask:
+        """Return the ticks of transitions with a predicate of a controller, shape (T,).
 
         A recorded tick has the letters after its transition, which may have ended its activity.
         """
-        use = course.program.rstrip(".")
-        mask: Mask = course.letters == "-"
+        use, mask = course.program.rstrip("."), np.zeros(len(self.time), dtype=bool)
         for each in self.transitions:
             members = self.recorded.members(each)
             if course.member in members and each.get("use", "") == use:
                 state = each["next_state"]
-                mask[self.tick(each["time"])] |= state[members.index(course.member)] == "-"
+                mask[self.tick(each["time"])] |= state[members.index(course.member)] == letter
         return mask
 
     def tick(self, time: float) -> int:
@@ -260,8 +269,8 @@ class History:
         """Return the positions of the links with a hand's load cells, m, shape (cells, 3)."""
         cells = self.summary["robot"].get("cells", {})
         links = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
-        poses = self._poses(tick)
-        return np.array([poses[link][0] for link in links if link in poses]).reshape(-1, 3)
+        known = [self._names.index(link) for link in links if link in self._names]
+        return np.array([self._pose(place, tick)[0] for place in known]).reshape(-1, 3)
 
     def spread(self, hand: str, tick: int) -> float:
         """Return the mean distance of the fingers from their centre, m; 0 for a single finger."""
@@ -276,7 +285,7 @@ class History:
     @cached_property
     def cell_joints(self) -> Mapping[str, int]:
         """Column of the joint that moves the link of each load cell."""
-        names, joints = [each.name for each in self._links], dict[str, int]()
+        names, joints = self._names, dict[str, int]()
         for cell, link in self.summary["robot"].get("cells", {}).items():
             place = names.index(link) if link in names else -1
             while place >= 0 and self._links[place].column < 0:
@@ -304,17 +313,21 @@ class History:
         touches: Mask = np.max(forces, axis=0) > CONTACT
         return touches
 
-    def _poses(self, tick: int) -> dict[str, tuple[Floats, Floats]]:
-        """Return position, m, and quaternion of each link by forward kinematics, world frame."""
-        poses: list[tuple[Floats, Floats]] = []
-        positions = self.recorded.arrays["positions"][tick]
-        for link in self._links:
-            place, turn = placed(link, positions)
+    def _pose(self, place: int, tick: int) -> tuple[Floats, Floats]:
+        """Return position, m, and quaternion of a link by its index, world frame."""
+        # Hands have dozens of links, of which the causes ask for a few, in the same ticks.
+        if (place, tick) not in self._known_poses:
+            link = self._links[place]
+            position, turn = placed(link, self.recorded.arrays["positions"][tick])
             if link.parent >= 0:
-                base, above = poses[link.parent]
-                place, turn = base + turned(above, place), product(above, turn)
-            poses.append((place, turn))
-        return {link.name: pose for link, pose in zip(self._links, poses, strict=True)}
+                base, above = self._pose(link.parent, tick)
+                position, turn = base + turned(above, position), product(above, turn)
+            self._known_poses[place, tick] = position, turn
+        return self._known_poses[place, tick]
+
+    @cached_property
+    def _known_poses(self) -> dict[tuple[int, int], tuple[Floats, Floats]]:
+        return {}
 
     def span(self, effector: str, tick: int) -> tuple[Floats, float]:
         """Return the first joint of an effector, m, shape (3,), and a bound of its reach, m.
@@ -325,19 +338,22 @@ class History:
         if effector not in tips:
             return np.zeros(3), np.inf
         tip = tips[effector]
-        names = [each.name for each in self._links]
         column = self.summary["joints"].index(tip["joint"])
-        place = names.index(tip["link"])
+        place = self._names.index(tip["link"])
         reach = float(np.linalg.norm(tip["offset"]))
         while place >= 0 and self._links[place].column != column:
             drawn = self._links[place]
             reach += np.inf if drawn.motion == "slide" else float(np.linalg.norm(drawn.position))
             place = drawn.parent
-        return self._poses(tick)[names[place]][0], reach if place >= 0 else np.inf
+        return self._pose(place, tick)[0], reach if place >= 0 else np.inf
 
     @cached_property
     def _links(self) -> Sequence[Any]:
         return read_links(self.summary["robot"], self.summary["joints"], with_shapes=False)
+
+    @cached_property
+    def _names(self) -> list[str]:
+        return [each.name for each in self._links]
 
     def unit(self, joint: int) -> str:
         """Return the SI unit of a recorded joint's position by its column."""

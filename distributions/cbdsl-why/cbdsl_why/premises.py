@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,8 @@ _OVERLOAD = 0.45
 _UNMATCHED = 1.0
 # Distance that a hand carries an object, and that the object then seems to have moved, m.
 _CARRIED, _STAYED = 0.06, 0.02
+# Displacement of an object that no hand touched, m, and its least distance from any hand, m.
+_WANDERED, _FAR = 0.05, 0.2
 # Share of the distance of the open fingers up to which they have closed.
 _CLOSED = 0.5
 
@@ -48,6 +50,7 @@ def doubts(history: History) -> list[Doubt]:
     """Return the contradictions of a recording by time."""
     finders = (
         _clock, _drives, _readings, _fingers, _overloads, _reversals, _views, _carries, _closings,
+        _wanders,
     )  # fmt: skip
     contradictions = [doubt for find in finders for doubt in find(history)]
     return sorted(contradictions, key=lambda each: each.tick)
@@ -168,7 +171,7 @@ def _carries(history: History) -> Iterator[Doubt]:
     """Yield objects that were seen to stay where a hand had carried them away."""
     for hand in history.hands:
         holds = [each for each in history.courses if each.effector == hand and each.grasps]
-        for first, last in spans(np.any([each.rests for each in holds], axis=0)):
+        for first, last in spans(np.any([history.rests(each) for each in holds], axis=0)):
             place = approached(history, first)
             if place is None or last - first < history.ticks(_LASTS):
                 continue
@@ -199,10 +202,39 @@ def _closings(history: History) -> Iterator[Doubt]:
             return
 
 
+def _wanders(history: History) -> Iterator[Doubt]:
+    """Yield objects that were seen to move before any hand touched or reached them."""
+    if not history.hands:
+        return  # such a program may follow an object that moves
+    touched = np.flatnonzero(
+        np.max([history.forces(each) for each in history.hands], axis=0) > CONTACT
+    )
+    until = int(touched[0]) if len(touched) else len(history.time)
+    for signal, values in history.places.items():
+        seen = np.flatnonzero(_sees(history, signal, ("seen",))[:until])
+        moves = np.linalg.norm(values[seen] - values[seen[:1]], axis=1)
+        beyond = seen[moves > _WANDERED]
+        # One tick may be a wrong match.
+        if len(beyond) < history.ticks(_LASTS):
+            continue
+        tick = int(beyond[history.ticks(_LASTS) - 1])
+        hands = [history.fingers(hand, tick) for hand in history.hands]
+        if all(
+            np.linalg.norm(each - values[tick], axis=1).min() > _FAR for each in hands if len(each)
+        ):
+            clause = f"{signal} moved by {100 * moves.max():.1f} cm, and no hand was at it"
+            yield Doubt(int(seen[moves > _WANDERED / 5][0]), clause)
+
+
 def _seen(history: History, signal: str) -> Mask:
     """Return the ticks in which the images showed the object of a signal, shape (T,)."""
+    return _sees(history, signal, ("seen", "several"))
+
+
+def _sees(history: History, signal: str, kinds: Sequence[str]) -> Mask:
+    """Return the ticks in which a signal's sight is of some kinds of ``SIGHT``, shape (T,)."""
     codes = np.array(history.sight(history.channels(signal)[0]))
-    seen: Mask = np.isin(codes, ("seen", "several"))
+    seen: Mask = np.isin(codes, kinds)
     return seen if len(seen) else np.zeros(len(history.time), dtype=bool)
 
 

@@ -116,6 +116,27 @@ def test_diagnose_ignores_a_slip_that_was_made_good() -> None:
     assert not [each for each in _all(made(predicates=regained)) if each == "slip"]
 
 
+# The hand closes in the tick of a transition, whose recorded letters are those after it.
+_CLOSED_AT = transition("X0", "grip", "X1", 0.5, 30)
+
+
+def test_diagnose_of_a_slip_after_a_grasp_that_ended_an_action_names_the_slip() -> None:
+    changes = {"predicates": predicates(("X0X", 60), ("X-X", 60)), "transitions": [_CLOSED_AT]}
+    diagnosis = diagnose(made(**changes))
+    assert diagnosis.cause is not None
+    assert (diagnosis.cause.kind, diagnosis.cause.tick) == ("slip", 60)
+    assert "slip" not in _all(made(**changes | {"transitions": []}))
+
+
+@pytest.mark.parametrize(("force", "slips"), [("0.4", 0), ("4", 1)], ids=["leans", "holds"])
+def test_diagnose_names_a_slip_only_from_fingers_that_hold(force: str, slips: int) -> None:
+    history = made(predicates=predicates(("X1X", 60), ("X-X", 60)))
+    triple = {**history.summary["triples"]["hold"], "reference": f"{force} N along normals"}
+    triples = {**history.summary["triples"], "hold": triple}
+    changed = made(predicates=predicates(("X1X", 60), ("X-X", 60)), triples=triples)
+    assert _all(changed).count("slip") == slips
+
+
 def test_diagnose_without_evidence_does_not_know_and_rules_out() -> None:
     diagnosis = diagnose(made(transitions=[], predicates=["XXX"] * TICKS))
     assert diagnosis.cause is None

@@ -15,6 +15,8 @@ from cbdsl_why.premises import doubts
 _TICK = np.arange(TICKS)
 _MOVING = np.clip((_TICK - 60) / 60, 0.0, 1.0)[:, None] * np.array([1.0, 0.0])
 _SHAKEN = 0.1 * np.array([1.0, 0.0]) * np.where(_TICK[:, None] % 2, 1.0, -1.0)
+# It moves from the 40th tick on, 1 cm a tick, beside the hand at x = 1 m.
+_DRIFTING = np.array([0.7, 0.4, 0.0]) + np.outer(np.clip(_TICK - 40, 0, 30), [0.0, 0.01, 0.0])
 _UNEVEN = _TICK / 60 + 0.014 * (_TICK % 2)
 _CLOSING = {
     "predicates": predicates(("0XX", 30), ("X-X", 90)),
@@ -41,6 +43,7 @@ _HEAVY = {
         ("reversed", 0, {"references": 0.2 * _SHAKEN, "positions": 0.2 * _SHAKEN}),
         ("not at one position", 30, {"sight": np.where(_TICK < 30, SIGHT.index("seen"),
                                      SIGHT.index("unmatched"))[:, None]}),
+        ("no hand was at it", 42, {"signal_stereo__red": _DRIFTING}),
     ],
 )  # fmt: skip
 def test_doubts_find_a_contradiction_with_its_tick(
@@ -62,6 +65,28 @@ def test_doubts_of_agreeing_facts_are_empty() -> None:
 def test_a_lag_below_the_allowed_share_is_no_doubt(share: float) -> None:
     lagging = np.maximum(_MOVING - share * 0.03, 0.0)
     assert doubts(made(references=_MOVING, positions=lagging)) == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        pressed(2.0, 0.02, slice(30, TICKS)),
+        {"signal_stereo__red": _DRIFTING + np.array([0.3, -0.4, 0.0])},
+        {"sight": np.full((TICKS, 1), SIGHT.index("several"))},
+    ],
+    ids=["touched", "at the hand", "one of several"],
+)
+def test_doubts_about_a_moving_object_need_an_untouched_one(changes: dict[str, Any]) -> None:
+    assert doubts(made(**{"signal_stereo__red": _DRIFTING, **changes})) == []
+
+
+def test_diagnose_of_an_object_that_moves_by_itself_does_not_know() -> None:
+    gone = _DRIFTING.copy()
+    gone[80:] = np.nan
+    lost = {"predicates": predicates(("0XX", 80), ("-XX", 40)), "signal_stereo__red": gone}
+    diagnosis = diagnose(made(**lost))
+    assert diagnosis.cause is None
+    assert diagnosis.others[0].kind == "lost"
 
 
 def test_diagnose_behind_a_contradiction_does_not_know() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -171,6 +172,18 @@ def test_why_of_a_faulty_recording_is_refused_with_the_reason(
     (tmp_path / "version.json").write_text(text, "utf-8")
     assert cb(monkeypatch, "why", str(tmp_path / name)) == 2
     assert told in capsys.readouterr().err
+
+
+def test_why_of_a_folder_explains_the_recordings_beside_a_damaged_one(
+    blind: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for suffix in (".json", ".npz"):
+        shutil.copy(blind.with_suffix(suffix), tmp_path / f"episode_7{suffix}")
+    (tmp_path / "episode_1.npz").write_bytes(b"PK")  # killed before its JSON file
+    assert cb(monkeypatch, "why", str(tmp_path), "--json") == 2
+    out, err = capsys.readouterr()
+    assert [json.loads(line)["cause"]["kind"] for line in out.splitlines()] == ["never_seen"]
+    assert "episode_1.json: missing; this recording was cut short" in err
 
 
 _FAR = """\
