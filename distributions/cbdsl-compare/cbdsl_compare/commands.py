@@ -59,6 +59,8 @@ def compare(
     Exit 0, or 3 if B is decidedly worse. Exit 1 if a document has errors, and 2 if a program cannot
     run.
     """
+    if as_json and markdown:
+        raise UsageError("--json and --markdown exclude each other")
     names = (first, second)
     with TemporaryDirectory() as a, TemporaryDirectory() as b:
         sides = [_read(text, Path(folder)) for text, folder in zip(names, (a, b), strict=True)]
@@ -93,9 +95,12 @@ def _read(text: str, target: Path) -> tuple[RunRequest, str | None]:
 
 
 def _range(seeds: str) -> range:
-    match = re.fullmatch(r"(\d+)-(\d+)", seeds)
+    match = re.fullmatch(r"(\d{1,9})-(\d{1,9})", seeds)
     if match is None or int(match[1]) > int(match[2]):
-        raise UsageError(f"--seeds {seeds}: expected the first and the last seed, such as 0-99")
+        raise UsageError(
+            f"--seeds {seeds}: expected the first and the last seed, such as 0-99, of at most 9 "
+            "digits"
+        )
     return range(int(match[1]), int(match[2]) + 1)
 
 

@@ -34,9 +34,13 @@ def written_revision(program: str, target: Path) -> tuple[str, Path | None]:
     is_file = file.suffix in (".yaml", ".yml")
     here = file.parent if is_file else Path.cwd()
     prefix = _git(here, program, "rev-parse", "--show-prefix")
-    commit = _git(
-        here, program, "rev-parse", "--verify", "--end-of-options", f"{revision}^{{commit}}"
-    )
+    words = ("rev-parse", "--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}")
+    try:
+        commit = _git(here, program, *words)
+    except UsageError as error:
+        raise UsageError(
+            f"{program}: unknown revision '{revision}' (git log names revisions, such as HEAD~1)"
+        ) from error
     objects = here / os.fsdecode(_git(here, program, "rev-parse", "--git-path", "objects"))
     archive = _archive(program, commit.decode(), objects)
     with tarfile.open(fileobj=io.BytesIO(archive)) as files:

@@ -27,7 +27,12 @@ def test_compare_as_json_explains_the_first_difference(
     ("words", "told"),
     [
         ((*_SIDES, "--seeds", "5"), "first and the last seed"),
+        ((*_SIDES, "--seeds", "9-5"), "first and the last seed"),
+        ((*_SIDES, "--seeds", "0-99999999999999999999"), "at most 9 digits"),
+        ((*_SIDES, "--json", "--markdown"), "exclude each other"),
         ((_SIDES[0], "reach,stage"), "expected name=value"),
+        ((_SIDES[0], "reach,stage=absent,stage=football"), "'stage' is given twice"),
+        ((_SIDES[0], "reach@nowhere"), "unknown revision 'nowhere'"),
     ],
 )
 def test_compare_of_unreadable_words_is_refused(
