@@ -203,6 +203,39 @@ def test_run_that_returns_to_an_earlier_state_ends_as_before(
     assert times[20:40] == times[:20]
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("engine", "cameras"), [("mujoco", "ideal"), ("mujoco", "rendered"), ("bullet", "ideal")]
+)
+def test_run_that_returns_repeats_all_observations(
+    engine: str, cameras: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seen, ticks = list[tuple[object, ...]](), 60
+    note_tick, run_to = LiveView.note_tick, LiveView.run_to
+
+    def returning(view: LiveView, tick: Tick) -> None:
+        each = tick.observation
+        loads = {cell: load.tolist() for cell, load in each.loads.items()}
+        seen.append((each.time, each.positions.tolist(), loads, str(each.regions)))
+        if len(seen) == ticks:
+            view._transport.go_back(each.time)
+        if len(seen) == 2 * ticks:
+            raise KeyboardInterrupt
+        note_tick(view, tick)
+
+    def released(view: LiveView, time: float) -> None:
+        view._transport.release()
+        run_to(view, time)
+
+    monkeypatch.setattr(LiveView, "note_tick", returning)
+    monkeypatch.setattr(LiveView, "run_to", released)
+    words = ("run", "reachtouch", "--backend", engine, "--cameras", cameras, "--seed", "5")
+    cb(monkeypatch, *words, *LIVE)
+    assert len(seen) == 2 * ticks
+    assert any("Region" in str(row[-1]) for row in seen)
+    assert seen[ticks:] == seen[:ticks]
+
+
 def test_page_that_stays_runs_the_seed_again_for_a_return(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
