@@ -229,7 +229,7 @@ def test_run_that_returns_repeats_all_observations(
 
     monkeypatch.setattr(LiveView, "note_tick", returning)
     monkeypatch.setattr(LiveView, "run_to", released)
-    words = ("run", "reachtouch", "--backend", engine, "--cameras", cameras, "--seed", "5")
+    words = ("run", "pick_and_lift", "--backend", engine, "--cameras", cameras, "--seed", "5")
     cb(monkeypatch, *words, *LIVE)
     assert len(seen) == 2 * ticks
     assert any("Region" in str(row[-1]) for row in seen)

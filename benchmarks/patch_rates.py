@@ -1,0 +1,105 @@
+"""Rates of success before and after the patches that ``cb why --try`` offers, on fresh seeds.
+
+``python benchmarks/patch_rates.py`` damages shipped programs, lets ``cb why`` offer a patch for the
+first failed seed, and runs the damaged and the patched program on 20 seeds that no trial has used.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+from first_causes import written
+from injected_causes import Edits
+
+from cbdsl.numeric.proportion import exact_interval
+
+
+class Damage(NamedTuple):
+    """Damage of a program.
+
+    Attributes:
+        name: Name of the damage.
+        program: Name of the program.
+        edits: Replacements in the texts of programs and stages, by their names.
+    """
+
+    name: str
+    program: str
+    edits: Edits
+
+
+_RETRIES = (
+    "limits: {transitions: 60, transition_time: 15 s, episode_time: 90 s, reward_ends: false}"
+)
+DAMAGES = (
+    Damage("short actions", "reach", {"reach": [("transition_time: 15", "transition_time: 1")]}),
+    Damage(
+        "short episodes",
+        "pick_and_lift",
+        {"pick_and_lift": [(_RETRIES, _RETRIES.replace("90 s", "6 s"))]},
+    ),
+    Damage(
+        "few transitions",
+        "pick_and_lift",
+        {"pick_and_lift": [(_RETRIES, _RETRIES.replace("60,", "4,"))]},
+    ),
+    Damage(
+        "a wrong exit",
+        "pick_and_lift",
+        {"pick_and_lift": [("exits: [grip at rest: lift]", "exits: [grip at rest: ease]")]},
+    ),
+    Damage(
+        "the other arm",
+        "pick_and_lift",
+        {"pick_and_lift": [("right_arm, hand: right_hand", "left_arm, hand: left_hand")]},
+    ),
+)
+
+
+def _cb(*words: str) -> list[dict[str, object]]:
+    """Return the JSON rows that a command prints."""
+    done = subprocess.run([sys.executable, "-m", "cbdsl", *words], capture_output=True, text=True)
+    rows = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    if not rows:
+        print(done.stderr, file=sys.stderr)
+    return rows
+
+
+def _rate(program: str, backend: str, seeds: range) -> int:
+    """Return the number of successes of a program on some seeds."""
+    options = ("--backend", backend, "--cameras", "ideal", "--json")
+    words = ("--seed", str(seeds.start), "--episodes", str(len(seeds)))
+    return sum(bool(row.get("succeeded")) for row in _cb("run", program, *options, *words))
+
+
+def main() -> None:
+    """Print a row for each damage."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--backend", default="kinematic")
+    parser.add_argument("--seed", type=int, default=1200, help="Seed of the explained failure.")
+    options = parser.parse_args()
+    seeds = range(options.seed + 2000, options.seed + 2020)
+    for damage in DAMAGES:
+        with TemporaryDirectory() as folder:
+            program = str(written(damage.edits, Path(folder), damage.program))
+            words = ("--backend", options.backend, "--cameras", "ideal", "--json", "--apply")
+            before = _rate(program, options.backend, seeds)
+            (row,) = _cb("why", program, *words, "--seed", str(options.seed))
+            patch, cause = row.get("patch"), row["cause"]
+            line = {"damage": damage.name, "failed": row["failed"], "before": before}
+            line["cause"] = cause["kind"] if isinstance(cause, dict) else None
+            if isinstance(patch, dict):
+                after = _rate(program, options.backend, seeds)
+                low, high = exact_interval(after, len(seeds))
+                line |= {"edit": patch["edit"], "after": after, "interval": [low, high]}
+            print(json.dumps(line, ensure_ascii=False), flush=True)
+
+
+if __name__ == "__main__":
+    main()
