@@ -64,7 +64,9 @@ DAMAGES = (
 
 def _cb(*words: str) -> list[dict[str, object]]:
     """Return the JSON rows that a command prints."""
-    done = subprocess.run([sys.executable, "-m", "cbdsl", *words], capture_output=True, text=True)
+    done = subprocess.run(
+        [str(Path(sys.executable).with_name("cb")), *words], capture_output=True, text=True
+    )
     rows = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
     if not rows:
         print(done.stderr, file=sys.stderr)

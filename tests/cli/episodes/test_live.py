@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import threading
+import zlib
 from http.client import HTTPConnection
 from pathlib import Path
 
@@ -216,7 +217,8 @@ def test_run_that_returns_repeats_all_observations(
     def returning(view: LiveView, tick: Tick) -> None:
         each = tick.observation
         loads = {cell: load.tolist() for cell, load in each.loads.items()}
-        seen.append((each.time, each.positions.tolist(), loads, str(each.regions)))
+        images = {camera: zlib.crc32(image.tobytes()) for camera, image in each.images.items()}
+        seen.append((each.time, each.positions.tolist(), loads, images or each.regions))
         if len(seen) == ticks:
             view._transport.go_back(each.time)
         if len(seen) == 2 * ticks:
@@ -232,7 +234,7 @@ def test_run_that_returns_repeats_all_observations(
     words = ("run", "pick_and_lift", "--backend", engine, "--cameras", cameras, "--seed", "5")
     cb(monkeypatch, *words, *LIVE)
     assert len(seen) == 2 * ticks
-    assert any("Region" in str(row[-1]) for row in seen)
+    assert any(row[-1] for row in seen)
     assert seen[ticks:] == seen[:ticks]
 
 
