@@ -12,7 +12,6 @@ from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome
 from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.learning.catalogs.exploration import ExplorationStep
 from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
-from cbdsl.learning.catalogs.pair_recognition import recognise
 from cbdsl.learning.catalogs.stack_plan import StackPlan, pairs_of, plan_stack, plan_stacks
 from cbdsl.learning.catalogs.thing_graph import support_graph
 from cbdsl.learning.constants import AccommodateConstants, Form
@@ -31,5 +30,5 @@ __all__ = [
     "CatalogConstants", "Decisions", "Experience", "ExplorationConstants", "ExplorationStep",
     "Form", "ImpedanceGauge", "ImpedanceProfile", "ImpedanceTest", "StackPlan",
     "TransitionCounts", "TriedContext", "pair_models", "pairs_of", "plan_stack", "plan_stacks",
-    "recognise", "support_graph",
+    "support_graph",
 ]  # fmt: skip

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -18,12 +20,53 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.types.relative import ANY_ROBOT, named, replaced, with_measures, with_parts
+from cbdsl.types.relative import (
+    ANY_ROBOT,
+    length_text,
+    named,
+    parts_in,
+    replaced,
+    with_measures,
+    with_parts,
+)
 from cbdsl.types.role import EYES, ROBOT, Role, role
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.shared_calls import has_call, validated
+
+_SUBJECT_TO = re.compile(r"\s*(?:◁|<\|)\s*")
+
+
+def without_absent(data: dict[str, Any], absent: Collection[str]) -> dict[str, Any]:
+    """Return a program's values without the controllers of roles that nothing fills.
+
+    ``otherwise`` of such a controller takes its place. Compositions and the background lose the
+    other ones, and models that only these draw from are left out.
+
+    Args:
+        data: Values of the document.
+        absent: Names of the roles.
+    """
+    controllers, gone = dict(data.get("controllers", {})), set[str]()
+
+    def rest(text: str) -> str:
+        terms = [each for each in _SUBJECT_TO.split(text) if not parts_in(each) & {*absent}]
+        return " ◁ ".join(each for each in terms if each not in gone)
+
+    for name, each in data.get("controllers", {}).items():
+        if isinstance(each, dict):
+            own = {key: value for key, value in each.items() if key != "otherwise"}
+            lacks = parts_in(own) & {*absent} or own.get("effector") in absent
+            controllers[name] = each.get("otherwise", "") if lacks else own
+    for _ in controllers if absent else ():  # compositions of compositions
+        short = {k: v if isinstance(v, dict) else rest(v) for k, v in controllers.items()}
+        controllers = {name: each for name, each in short.items() if each}
+        gone |= {name for name, each in short.items() if not each}
+    kept = {**data, "controllers": controllers, "background": rest(data.get("background") or "")}
+    words = {*re.findall(r"\w+", str({**kept, "models": ()}))} if absent else data.get("models", ())
+    kept["models"] = {key: each for key, each in data.get("models", {}).items() if key in words}
+    return {key: each for key, each in kept.items() if each or key in {*data} - {"background"}}
 
 
 def read_roles(document: ProgramDocument) -> dict[str, Role]:
@@ -34,6 +77,17 @@ def read_roles(document: ProgramDocument) -> dict[str, Role]:
         if own is not None and roles.keys() >= set(own.relations.values()):
             roles[name] = own
     return roles
+
+
+def roles_on(
+    robot: CheckedRobot, document: ProgramDocument, values: Mapping[str, str]
+) -> dict[str, Role]:
+    """Return the roles of a program, without optional ones that neither robot nor value fills."""
+    return {
+        name: each
+        for name, each in read_roles(document).items()
+        if not (each.optional and name not in values and unfilled(name, each, robot, {}))
+    }
 
 
 def check_roles(loaded: Loaded[ProgramDocument], diagnostics: Diagnostics) -> None:
@@ -76,7 +130,8 @@ def bind(
         measures: Function of the effectors that returns the measures of the robot and its bench by
             name, m.
     """
-    document, roles = loaded.document, read_roles(loaded.document)
+    document, roles = loaded.document, roles_on(robot, loaded.document, values)
+    absent = document.roles.keys() - roles.keys()
     for name, each in roles.items():
         problem = unfilled(name, each, robot, values)
         if problem:
@@ -95,7 +150,9 @@ def bind(
         )
     effectors = {name: value for name, value in best[0].items() if roles[name].wanted.kind != EYES}
     acting = tuple(effectors.values())
-    stated = _with_values(loaded, robot, best[0], effectors, lambda: measures(acting))
+    whole = loaded.source.root.plain()
+    data = without_absent(whole, absent) if isinstance(whole, dict) else whole
+    stated = _with_values(loaded, data, robot, best[0], effectors, lambda: measures(acting))
     if isinstance(stated, str):
         return stated
     update = {
@@ -108,13 +165,14 @@ def bind(
 
 def _with_values(
     loaded: Loaded[ProgramDocument],
+    data: Any,
     robot: CheckedRobot,
     chosen: Mapping[str, str],
     effectors: Mapping[str, str],
     measures: Callable[[], Mapping[str, float]],
 ) -> ProgramDocument | str:
     """Return a program with the values of a robot's document, or the reason against that robot."""
-    data, known = loaded.source.root.plain(), robot.document.effectors
+    known = robot.document.effectors
     if not isinstance(data, dict):
         return loaded.document
     texts = {role: name for role, name in chosen.items() if role not in effectors}
@@ -132,6 +190,9 @@ def _with_values(
 
     try:
         bound = replaced(data, on_the_robot)
+        for section in {"parameters", "use"} & {*data}:
+            # Values of parameters are texts.
+            bound[section] = replaced(data[section], lambda text: length_text(on_the_robot(text)))
         calls = {
             section: {name: bound[section].pop(name) for name in loaded.taken & {*bound[section]}}
             for section in ("controllers", "conditions")

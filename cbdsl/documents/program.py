@@ -204,6 +204,8 @@ class ControllerSection(Section):
     modifiers: dict[Name, dict[Name, Text | Number]] = {}
     """Changes of the reference in every tick, in order, by kinds of other packages, with their
     options."""
+    otherwise: Self | None = None
+    """Controller in its place on a robot that lacks an optional role."""
 
     @field_validator("reference")
     @classmethod

@@ -2,35 +2,112 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from functools import cache
+from itertools import count
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
-from pygls.uris import to_fs_path
+from pygls.uris import from_fs_path, to_fs_path, urlparse
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Severity
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.lines import lines_of
 from cbdsl.diagnostics.published import page_of
 from cbdsl.documents.ownership import is_declared, is_own
-from cbdsl.editor.addresses import Addresses
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.coloring import KINDS_OF_WORDS, colored_words
-from cbdsl.editor.completions import choices
+from cbdsl.editor.completions import choices, document_named, section
 from cbdsl.editor.cursor import Cursor, cursor
-from cbdsl.editor.definition import definition
 from cbdsl.editor.fixes import fix
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
 from cbdsl.editor.message_stream import MessageStream
 from cbdsl.editor.positions import Positions
 from cbdsl.editor.rename import Renaming, is_name, renaming
-from cbdsl.editor.shared_names import shared_choices
+from cbdsl.editor.shared_names import named_at, shared_choices, shared_file
 from cbdsl.yaml_text.reader import formatted_text
+
+_SECTIONS = ("controllers", "use", "conditions")
+
+
+class Definition(NamedTuple):
+    """Line of a file.
+
+    Attributes:
+        file: Path of the file.
+        line: Line, from 0.
+    """
+
+    file: Path
+    line: int
+
+
+def definition(buffers: Buffers, path: Path, cursor: Cursor) -> Definition | None:
+    """Return the place that defines a controller, program, parameter, role or document."""
+    lines = lines_of(buffers.text(path))
+    if cursor.word.startswith("$"):
+        declared = section(lines, "roles") | section(lines, "parameters")
+        line = declared.get(cursor.word[1:])
+        return None if line is None else Definition(path, line)
+    file = document_named(buffers, path, cursor.key, cursor.word)
+    if file is not None and not cursor.on_key:
+        return Definition(file, 0)
+    named = named_at(buffers, path, lines, cursor)
+    if named is not None:
+        return Definition(named.file, named.line)
+    for name in _SECTIONS:
+        line = section(lines, name).get(cursor.word)
+        if line is not None:
+            return Definition(path, line)
+    shared = shared_file(buffers, path, lines, cursor.word)
+    return None if shared is None else Definition(shared, 0)
+
+
+class Addresses:
+    """Files that stand for the documents of an editor.
+
+    Documents that were never saved have no file, and neither do old versions of saved documents, or
+    addresses that no file can have. A path in the folder of the editor stands for such a document,
+    and its references are resolved from there.
+
+    Args:
+        here: Folder of the editor.
+    """
+
+    def __init__(self, here: Path) -> None:
+        self._here = here
+        self._paths: dict[str, Path] = {}
+        self._uris: dict[Path, str] = {}
+
+    def path(self, uri: str) -> Path:
+        """Return the file of a document; equal addresses have equal files."""
+        if uri not in self._paths:
+            file = to_fs_path(uri)
+            is_possible = file is not None and "\0" not in file
+            path = Path(file) if file and is_possible else self._stand_in(uri)
+            self._paths[uri] = path
+            # Editors may spell one file in several ways, as `c:` and `c%3A`. Answers use the first
+            # one.
+            self._uris.setdefault(path, uri)
+        return self._paths[uri]
+
+    def uri(self, path: Path) -> str:
+        """Return the address of a file, as the editor wrote it, or an absolute one."""
+        absolute = path.absolute()
+        return self._uris.get(absolute) or from_fs_path(str(absolute)) or absolute.as_uri()
+
+    def _stand_in(self, uri: str) -> Path:
+        name = re.sub(r"[^\w.-]", "_", Path(urlparse(uri)[2]).name).strip(".") or "unsaved"
+        # Two unsaved documents of one name get different files: `Untitled-1` and `1_Untitled-1`.
+        names = (name if number == 0 else f"{number}_{name}" for number in count())
+        paths = (self._here / each for each in names)
+        return next(path for path in paths if path not in self._uris and not path.exists())
+
 
 NAME = "cbdsl"
 _SEVERITIES = {

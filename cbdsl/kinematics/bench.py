@@ -79,22 +79,24 @@ def bench(robot: RobotDocument, file: Path) -> Bench:
 def measures_of(robot: RobotDocument, file: Path, parts: Collection[str]) -> dict[str, float]:
     """Return the reach, the middle of the bench's top, and a span of a robot, by name, m.
 
+    The value ``table`` of an arm is the height of its bench.
+
     Args:
         robot: Robot.
         file: Document of the robot.
-        parts: Effectors that act, whose span counts; the first hand's if empty.
+        parts: Effectors that act, whose values count; those of the first ones if empty.
 
     Raises:
-        QuantityError: The span is no length.
+        QuantityError: The span or the height is no length.
     """
     names = [name for name in (*parts, *robot.effectors) if name in robot.effectors]
-    widths = [robot.effectors[name].values.get("span") for name in names]
-    width = next((width for width in widths if width is not None), None)
-    span = {} if width is None else {"span": read_quantity(width, ("length",))}
+    stated = {k: v for name in names[::-1] for k, v in robot.effectors[name].values.items()}
+    known = {"span": "span", "table": "bench.z"}
+    own = {known[k]: read_quantity(v, ("length",)) for k, v in stated.items() if k in known}
     table = bench(robot, file)
     x, y, z = table.position
     top = z + table.size[2] / 2
-    return {"reach": table.reach, "bench.x": x, "bench.y": y, "bench.z": top, **span}
+    return {"reach": table.reach, "bench.x": x, "bench.y": y, "bench.z": top, **own}
 
 
 def _is_limb(model: UrdfModel, limb: Effector) -> bool:

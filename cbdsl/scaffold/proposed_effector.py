@@ -77,11 +77,12 @@ def values_lines(
         way = abs(opened - shut)
         slack, probe = f"{_SLACK * way:.2g} {unit}", f"{way / _PROBING:.2g} {unit}/s"
         return [
-            "  # Width between the open pads, forces of each at a touch and a grasp, position with",
-            "  # nothing between, tolerance of an open hand, distance of tip and held object,",
-            "  # and speed of fingers that feel for contact.",
-            f"  values: {{span: {100 * span:.3g} cm, touch: 2 N, grip: 8 N, probe: {probe}, "
-            f"shut: {shut:.4g} {unit}, slack: {slack}, nearest: 0 m, farthest: 0 m}}",
+            "  # Width between the open pads, forces of each at a touch, at a grasp and while it",
+            "  # holds, position with nothing between, tolerance of an open hand, distance of",
+            "  # tip and held object, and speed of fingers that feel for contact.",
+            f"  values: {{span: {100 * span:.3g} cm, touch: 2 N, grip: 8 N, hold: 8 N, "
+            f"probe: {probe}, shut: {shut:.4g} {unit}, slack: {slack}, nearest: 0 m, "
+            "farthest: 0 m}",
         ]
     if effector.tip is None or len(effector.joints) < PLACING:
         return []

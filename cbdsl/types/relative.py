@@ -20,6 +20,7 @@ RELATIVE = (
     rf"|(?=.*(?:bench\.|reach|span))[+-]?\s*{_TERM}(?:\s*[+-]\s*{_TERM})*)\s*$"
 )
 _PART = re.compile(r"\$([A-Za-z]\w*)(\.[A-Za-z]\w*)?")
+_SCALED = re.compile(r"(?:\d+\.?\d*|\.\d+)\s*(?:reach|span)\b")
 _SUM = re.compile(rf"([+-]?)\s*({_TERM})")
 
 
@@ -78,20 +79,28 @@ def with_parts(text: str, texts: Mapping[str, str]) -> str:
 
 
 def with_measures(text: str, measures: Callable[[], Mapping[str, float]]) -> str | float:
-    """Return the length of a sum of measures, m; any other text as it is.
+    """Return the length of a sum of measures, m; any other text with its scaled lengths in cm.
 
     Args:
-        text: Text such as ``bench.x - 0.2 reach``.
+        text: Text such as ``bench.x - 0.2 reach``, or ``here + [0 cm, 0 cm, 0.2 span]``.
         measures: Function that returns lengths by name, m; it is called for such texts alone.
 
     Raises:
         QuantityError: A measure is not known, or a term has no unit of length.
     """
-    if text.lstrip().startswith("$") or not is_relative(text) or not (known := measures()):
+    is_sum = is_relative(text) and not text.lstrip().startswith("$")
+    if not (is_sum or _SCALED.search(text)) or not (known := measures()):
         return text
-    return sum(
-        (-1.0 if sign == "-" else 1.0) * _length(term, known) for sign, term in _SUM.findall(text)
-    )
+    if not is_sum:
+        return _SCALED.sub(lambda match: length_text(_length(match[0], known)), text)
+    terms = _SUM.findall(text)
+    # Nanometres, so that a sum is the length that a document of one robot states.
+    return round(sum((-1.0 if s == "-" else 1.0) * _length(term, known) for s, term in terms), 9)
+
+
+def length_text(length: str | float) -> str:
+    """Return the text of a length in metres, in centimetres; a text as it is."""
+    return length if isinstance(length, str) else f"{100 * length:.9g} cm"
 
 
 def _length(term: str, measures: Mapping[str, float]) -> float:
@@ -114,4 +123,11 @@ def named(value: Any) -> list[str]:
     replaced(
         value, lambda text: names.extend(f"{m[1]}{m[2]}" for m in _PART.finditer(text) if m[2])
     )
+    return names
+
+
+def parts_in(value: Any) -> set[str]:
+    """Return the names ``part`` of ``$part`` and ``$part.name`` in all texts of a value."""
+    names: set[str] = set()
+    replaced(value, lambda text: names.update(m[1] for m in _PART.finditer(text)))
     return names

@@ -18,7 +18,10 @@ ROBOT = "robot"
 #: Relations of a role to another one, as they are written.
 RELATIONS = ("on", "other than")
 
-_ROLE = re.compile(r"(?P<kind>.+?)(?:\s+on\s+(?P<on>\w+))?(?:\s+other\s+than\s+(?P<other>\w+))?\s*")
+_ROLE = re.compile(
+    r"(?P<kind>.+?)(?:\s+on\s+(?P<on>\w+))?(?:\s+other\s+than\s+(?P<other>\w+))?"
+    r"(?P<any>\s+if\s+any)?\s*"
+)
 
 
 class Role(NamedTuple):
@@ -28,11 +31,13 @@ class Role(NamedTuple):
         wanted: Kind of effector, or of sight.
         on: Role of the effector that carries it; empty if any may.
         other: Role of the effector that it has to differ from; empty if none.
+        optional: True if a robot without such a part runs the program, too.
     """
 
     wanted: Allotment
     on: str = ""
     other: str = ""
+    optional: bool = False
 
     @property
     def relations(self) -> dict[str, str]:
@@ -52,9 +57,10 @@ def role(text: str, earlier: Mapping[str, Role]) -> Role | None:
     if match is None:
         return None
     kind = " ".join(match["kind"].split())
+    relations = match["on"] or "", match["other"] or "", match["any"] is not None
     if kind in earlier:
-        return Role(earlier[kind].wanted, match["on"] or "", match["other"] or "")
+        return Role(earlier[kind].wanted, *relations)
     wanted = Allotment(EYES, kind) if kind in (STEREO, STEREO_HEADING) else allotment(kind)
     if wanted is None or wanted.kind not in (EFFECTOR, EYES):
         return None
-    return Role(wanted, match["on"] or "", match["other"] or "")
+    return Role(wanted, *relations)

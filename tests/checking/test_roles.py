@@ -17,7 +17,8 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.program.controller import Relative
+from cbdsl.program.controller import AlongNormals, Relative
+from cbdsl.program.dry_run import controllers
 from cbdsl.types.unit import read_quantity
 from cbdsl.yaml_text.library import Library
 
@@ -260,3 +261,70 @@ def test_digest_of_a_program_with_roles_is_the_same_on_each_robot() -> None:
     for robot in ROBOTS:
         check_program(path, {"robot": robot}, library)
         assert program_digest(path, library) == before
+
+
+LOOK = "{potential: spring, reference: [0 deg, 0 deg], feedback: cyclopean.red, effector: $head"
+SEEN = f"""\
+controllers:
+  ready: {READY}
+  watch: {LOOK}}}
+  search: {{potential: spring, reference: $head.likely, feedback: $head, effector: $head}}
+  gaze: search ◁ watch
+  both: gaze ◁ ready
+  here: {LOOK}, otherwise: {READY}}}
+models: {{likely: searchtrack_head}}
+background: gaze
+actions: [both, here]
+"""
+
+
+@pytest.mark.parametrize(("robot", "last"), [("dexter", "cyclopean.red"), ("panda", "arm")])
+def test_controller_of_an_absent_role_is_left_out_or_replaced(
+    robot: str, last: str, tmp_path: Path
+) -> None:
+    path = program(tmp_path, "{arm: effector of position, head: stereo heading if any}", SEEN)
+    checked = check_program(path, {"robot": robot})
+    both, here = (each.composition for each in checked.actions)
+    assert both is not None and here is not None
+    parts = [each.feedback.name for each in both.controllers]
+    assert parts == (["head", last, "right_arm"] if robot == "dexter" else ["arm"])
+    assert (checked.background is None) == (robot == "panda")
+    (other,) = here.controllers
+    assert other.feedback.name == last
+
+
+def test_role_that_is_given_is_not_absent(tmp_path: Path) -> None:
+    path = program(tmp_path, "{arm: effector of position, head: stereo heading if any}", SEEN)
+    with pytest.raises(DiagnosticsError, match="no effector 'neck' for role 'head'"):
+        check_program(path, {"robot": "panda", "head": "neck"})
+
+
+def test_lengths_in_texts_scale_with_the_hand(tmp_path: Path) -> None:
+    offset = '"here + [0 cm, 0 cm, 0.2 span]"'
+    go = f"{{potential: spring, reference: {offset}, feedback: $arm.position, effector: $arm}}"
+    rise = go.replace("0.2 span", "$height")
+    rest = f"parameters: {{height: 2 span}}\ncontrollers: {{go: {go}, rise: {rise}}}\n"
+    rest += "actions: [go, rise]\n"
+    path = program(tmp_path, "{arm: effector of position, hand: effector of force on arm}", rest)
+    for robot, low, high in (("panda", 0.0156, 0.156), ("dexter", 0.03, 0.3)):
+        checked = check_program(path, {"robot": robot})
+        for action, height in zip(checked.actions, (low, high), strict=True):
+            assert action.composition is not None
+            (controller,) = action.composition.controllers
+            assert isinstance(controller.reference, Relative)
+            assert controller.reference.offset == pytest.approx((0.0, 0.0, height))
+
+
+@pytest.mark.parametrize("name", ["pick_and_place", "put_down", "take_and_put_down", "set_on"])
+def test_skill_is_one_program_for_hands_and_grippers(name: str) -> None:
+    """Each hand holds with its own force."""
+    for robot, force in (("panda", 8.0), ("dexter", 6.0)):
+        every = controllers(check_program(name, {"robot": robot}))
+        (hold,) = (each for each in every if each.name == "hold")
+        assert isinstance(hold.reference, AlongNormals) and hold.reference.force == force
+
+
+def test_relation_of_things_is_observed_by_any_effector_before_fixed_cameras() -> None:
+    checked = check_program("stack", {"robot": "panda"})
+    (look,) = (each for each in controllers(checked) if each.name == "on_top")
+    assert (look.feedback.name, look.effector.name) == ("stereo.red.to.blue", "arm")

@@ -13,10 +13,10 @@ from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.coloring import colored_words
 from cbdsl.editor.completions import choices
 from cbdsl.editor.cursor import cursor
-from cbdsl.editor.definition import definition
 from cbdsl.editor.fixes import fixed
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
+from cbdsl.editor.language_server import definition
 from cbdsl.editor.rename import renaming
 from cbdsl.yaml_text.reader import formatted_text
 from tests.conftest import ROOT

@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor, cursor
-from cbdsl.editor.definition import definition
 from cbdsl.editor.hover import hover
+from cbdsl.editor.language_server import definition
 from cbdsl.editor.rename import renaming
 from cbdsl.editor.shared_names import shared_choices
 from tests.conftest import ROOT

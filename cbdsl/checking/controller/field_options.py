@@ -12,6 +12,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Ball, Box, Field, Literal, Reference
 from cbdsl.types.potential import PotentialType
+from cbdsl.types.relative import is_relative
 from cbdsl.types.resource import Resource
 from cbdsl.types.source_record import configured, is_located
 from cbdsl.types.unit import QuantityError, dimensions_of, read_quantity
@@ -119,7 +120,9 @@ class _Field:
                 each for unit in own or units for each in dimensions_of(unit)
             )
             try:
-                read_quantity(node.value, tuple(dimensions))
+                # Sums of measures of a robot are lengths.
+                is_sum = is_relative(node.value) and "$" not in str(node.value)
+                read_quantity("0 m" if is_sum else node.value, tuple(dimensions))
             except QuantityError as error:
                 self._add("CB506", *steps, problem=str(error))
 

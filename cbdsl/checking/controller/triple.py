@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -14,22 +15,140 @@ from cbdsl.checking.controller.controller_options import (
     ControllerSettings,
     settings_of,
 )
-from cbdsl.checking.controller.effector_units import in_task_units
 from cbdsl.checking.controller.field_options import ControllerSpec, check_field
 from cbdsl.checking.controller.influence import acting_chains
-from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.relative_reference import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents import program as written
-from cbdsl.program.controller import Controller, Field, Reference
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.controller import Controller, Field, Modifier, Reference
 from cbdsl.robot.resources import configuration_of
-from cbdsl.types.modifier import declared
+from cbdsl.types.modifier import MODIFIERS, ModifierType, declared
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Origin, Resource
-from cbdsl.types.source_record import record_of
+from cbdsl.types.source_record import is_pressed, owner_of, record_of
+from cbdsl.types.unit import QuantityError, parse_quantity, read_quantity
+
+# Dimension of each setting in the units of a moved tip.
+_OF_TIPS = {"gain": "speed per force", "speed": "speed"}
+# Name and unit of the type of joints that slide.
+_SLIDING = ("configuration", "m")
+
+
+def in_task_units(
+    context: ProgramContext,
+    steps: Steps,
+    settings: ControllerSettings,
+    feedback: Resource,
+    effector: Resource,
+) -> Outcome[ControllerSettings]:
+    """Return the settings in the units of the task; unknown if their units are invalid.
+
+    A tip that moves by dx changes its force by K dx, with the stiffness K of the robot's document.
+    For the force of a hand, K is multiplied by the number of fingers. A spring moves by half its
+    error, so that a gain of g m/s per N equals a gain of 2 K g per second.
+    """
+    written = {key: value for key in _OF_TIPS if (value := _of_tips(context, steps, key))}
+    # It is the task's own, or that of joints that slide.
+    if feedback.type.name != "force" or (effector.type.name, effector.type.unit) == _SLIDING:
+        written.pop("speed", None)
+    if not written:
+        return settings
+    problem = _problem(feedback, effector)
+    for key, value in written.items():
+        if problem:
+            place = context.source.place(*steps, key)
+            context.add("CB594", place, value=value, problem=problem)
+    if problem:
+        return UNKNOWN
+    stiffness = _stiffness(context.body.document, feedback)
+    if "gain" in written:
+        settings = settings._replace(gain=2.0 * stiffness * settings.gain)
+    return settings._replace(tip_stiffness=stiffness) if "speed" in written else settings
+
+
+def _stiffness(robot: RobotDocument, feedback: Resource) -> float:
+    """Return the change of a force per tip displacement, N/m; each fingertip is a spring."""
+    source, fingers = feedback.source, 1
+    if record_of(source).sums:
+        fingers = len(robot.load_cells[robot.members(owner_of(source))[0]])
+    # Fingers are springs in parallel, whose stiffnesses add up.
+    return fingers * robot.control.contact_stiffness
+
+
+def _of_tips(context: ProgramContext, steps: Steps, key: str) -> str | None:
+    """Return a setting as written if it has the unit of a tip, else ``None``."""
+    if not context.source.holds(*steps, key):
+        return None
+    value = context.source.node((*steps, key)).value
+    try:
+        unit = parse_quantity(value)[1] if isinstance(value, str) else None
+    except QuantityError:
+        return None
+    return str(value) if unit is not None and unit.dimension == _OF_TIPS[key] else None
+
+
+def _problem(feedback: Resource, effector: Resource) -> str:
+    """Return why a force does not change as a tip moves, as a clause; empty if it does."""
+    if feedback.type.name != "force" or not is_pressed(feedback.source):
+        return f"'{feedback.name}' is not a force of a finger or a hand that an arm presses with"
+    if effector.type.name != "position":
+        return f"'{effector.name}' is a {effector.type}, and moves in {effector.type.unit}"
+    return ""
+
+
+def read_modifiers(
+    context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
+) -> tuple[Modifier, ...]:
+    """Return the valid modifiers of a controller, and report the invalid ones."""
+    modifiers: list[Modifier] = []
+    for name, options in document.modifiers.items():
+        own: Steps = (*steps, "modifiers", name)
+        problem = _modifier_options(name, options, document, feedback)
+        if isinstance(problem, str):
+            names = list(MODIFIERS.names())
+            context.add("CB531", context.source.key(*own), names=names, name=name, problem=problem)
+        else:
+            modifiers.append(Modifier(name, tuple(problem.items())))
+    return tuple(modifiers)
+
+
+def _modifier_options(
+    name: str,
+    options: Mapping[str, str | float],
+    document: written.ControllerSection,
+    feedback: Resource,
+) -> str | dict[str, float]:
+    """Return the options in SI units, or the error of a modifier as a clause."""
+    if name not in MODIFIERS:
+        return f"unknown modifier '{name}'"
+    try:
+        kind = MODIFIERS.get(name)
+    except UsageError as error:
+        return str(error)
+    if MODIFIERS.is_builtin(name):
+        return "it is a key of the controller itself"
+    lacks_reference = bool(kind.implementation) and document.reference is None
+    if lacks_reference or feedback.type.name not in kind.accepts:
+        what = "it changes references" if kind.implementation else "it is for feedback"
+        return f"{what} of type {' or '.join(sorted(kind.accepts))}"
+    return _read_options(kind, options)
+
+
+def _read_options(kind: ModifierType, options: Mapping[str, str | float]) -> str | dict[str, float]:
+    if options.keys() != kind.options.keys():
+        return f"its options are {', '.join(kind.options) or 'none'}"
+    try:
+        return {
+            name: read_quantity(options[name], (dimension,) if dimension else ())
+            for name, dimension in kind.options.items()
+        }
+    except QuantityError as error:
+        return str(error)
 
 
 def check_triple(

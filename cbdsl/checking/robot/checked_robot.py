@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
-from cbdsl.types.casts import RIGID_HOLD, Chain
+from cbdsl.types.casts import CAMERA_TURNS, RIGID_HOLD, Chain
 from cbdsl.types.resource import Resource, Source
 from cbdsl.types.source_record import (
     Carrier,
@@ -132,7 +132,10 @@ class CheckedRobot(NamedTuple):
         # difference of two places stays the same under joints that move both bodies alike.
         above = [frozenset(self._above(link)) for link in links]
         shared = frozenset.intersection(*above) if record.differs else frozenset()
-        return frozenset[str]().union(*above) - shared
+        joints = frozenset[str]().union(*above) - shared
+        # Before fixed cameras, any effector may wait for a relation of two objects, as a head does.
+        is_observed = any(cast.source == resource.type.name for cast in CAMERA_TURNS)
+        return None if is_observed and not joints else joints
 
     def joints_of(self, resource: Resource, chain: Chain) -> frozenset[str]:
         """Return the joints at the end of one of a resource's chains; empty if they are unknown."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cbdsl.checking.robot.role_effectors import Binding, bindings
-from cbdsl.checking.roles import check_roles, on_robot, read_roles
+from cbdsl.checking.roles import check_roles, on_robot, roles_on
 from cbdsl.checking.session import Session
 from cbdsl.cli.arguments.options import Robot, ShownProgram
 from cbdsl.cli.output.terminal import print_json, print_table
@@ -51,8 +51,10 @@ def _rows(
     chosen = bound.document.parameters if isinstance(bound, Loaded) else None
     file = session.library.find(RobotDocument, robot, loaded.path)
     body = session.body(file or UNKNOWN, Diagnostics())
-    every = [] if isinstance(body, Unknown) else bindings(read_roles(loaded.document), body, {})
-    for each in list(every) or [Binding({}, str(bound))]:
+    every = list[Binding]()
+    if not isinstance(body, Unknown):
+        every = list(bindings(roles_on(body, loaded.document, {}), body, {}))
+    for each in every or [Binding({}, str(bound))]:
         refusal = each.refusal or (bound if isinstance(bound, str) else "")
         # Eyes are no parameters.
         is_chosen = chosen is not None and all(

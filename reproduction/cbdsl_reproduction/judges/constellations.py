@@ -12,7 +12,7 @@ import numpy as np
 
 from cbdsl.api.control import Floats
 from cbdsl.api.documents import MetaCatalogDocument
-from cbdsl.api.learning import AffordanceModel, pair_models, recognise
+from cbdsl.api.learning import AffordanceModel, pair_models
 from cbdsl.api.shipped import shipped_document
 from cbdsl_reproduction.constellation_trials import (
     CHANNELS,
@@ -31,6 +31,7 @@ from cbdsl_reproduction.judges.judge import (
     Judge,
     JudgedCondition,
 )
+from cbdsl_reproduction.judges.pair_recognition import recognise
 
 _CATALOG = "four_things"
 _SHAPE, _BOTH = ("constellation",), ("constellation", "offset")

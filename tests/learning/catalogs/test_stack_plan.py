@@ -12,16 +12,14 @@ import pytest
 from cbdsl.documents.meta_catalog import MetaCatalogDocument, PairSection, Relation
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome, FeatureForm
 from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
-from cbdsl.learning.catalogs.pair_recognition import recognise
 from cbdsl.learning.catalogs.stack_plan import pairs_of, plan_stack, plan_stacks
 from cbdsl.learning.catalogs.thing_graph import support_graph, thing_graph
-from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.training.exploration.pair_task import PairExploration
 
 
 def support(pairs: Mapping[tuple[str, str], float]) -> Any:
     """Return a graph of the probabilities that the second of two objects stands on the first."""
-    graph = nx.DiGraph()
+    graph: Any = nx.DiGraph()
     graph.add_edges_from((*pair, {"probability": own}) for pair, own in pairs.items())
     return graph
 
@@ -68,37 +66,6 @@ def test_exploration_of_pairs_prefers_changing_models_and_drops_unstable_pairs()
     chosen = [exploration.choose(np.random.default_rng(seed)) for seed in range(40)]
     assert chosen.count("a_on_b") > 30
     assert chosen.count("b_on_a") < 4
-
-
-def test_two_things_look_like_a_known_pair_or_like_none() -> None:
-    models = {}
-    for name, height in (("low", 0.05), ("high", 0.2)):
-        model = AffordanceModel.fresh(np.full(3, 0.03))
-        for shift in (-0.01, 0.0, 0.01, 0.005):
-            model = model.updated(np.array([shift, -shift, height + shift]), rewarded=True)
-        models[name] = model
-    assert recognise(models, np.array([0.0, 0.0, 0.06])).pair == "low"
-    assert recognise(models, np.array([0.0, 0.0, 0.19])).pair == "high"
-    beside = recognise(models, np.array([0.2, 0.1, 0.0]))
-    assert beside.pair is None and beside.distance > 4
-    assert recognise({}, np.zeros(3)).pair is None
-    assert recognise({n: m.over([2]) for n, m in models.items()}, np.array([0.19])).pair == "high"
-
-
-def test_likeness_bound_excludes_one_in_a_thousand_own_samples() -> None:
-    """Fisher's chi-squared law of squared distances: 10.828 for one component, 16.266 for three."""
-    for size, bound in ((1, 10.828**0.5), (3, 16.266**0.5)):
-        model = AffordanceModel.fresh(np.full(size, 0.03)).updated(np.zeros(size), rewarded=True)
-        away = np.eye(size)[0] * 0.03
-        unit = away / model.distance(away)
-        for share, pair in ((0.999, "pair"), (1.001, None)):
-            likeness = recognise({"pair": model}, share * bound * unit)
-            assert likeness == (pair, pytest.approx(share * bound))
-
-
-def test_pair_that_never_stayed_is_not_recognised() -> None:
-    never = AffordanceModel.fresh(np.ones(1)).updated(np.zeros(1), rewarded=False)
-    assert recognise({"never": never}, np.zeros(1)) == (None, np.inf)
 
 
 def catalog() -> MetaCatalogDocument:

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from cbdsl.numeric.affordance_model import AffordanceModel
-from cbdsl.numeric.arrays import Floats
+from cbdsl.api.control import Floats
+from cbdsl.api.learning import AffordanceModel
 
 #: Likeness from which two objects are recognised as a pair.
 LEAST_LIKENESS = 1e-3
