@@ -109,9 +109,13 @@ def in_sentences(page: Path) -> list[list[str]]:
     return [shlex.split(text)[1:] for text in commands if re.match(r"cb \w", text)]
 
 
-def is_concrete(words: list[str]) -> bool:
+def installed_commands() -> Any:
+    """Return the command line with the plug-ins that are installed now; it takes 0.1 s to build."""
+    return typer.main.get_command(build_app())
+
+
+def is_concrete(words: list[str], command: Any) -> bool:
     """Return True if a command can be typed as it is, without placeholders and omissions."""
-    command: Any = typer.main.get_command(build_app())
     rest = list(words)
     while rest and hasattr(command, "commands"):
         command = command.commands.get(rest.pop(0))
@@ -148,8 +152,9 @@ class Session:
             follows = found[place + 1] if place + 1 < len(found) else None
             if block.runs:
                 getattr(self, f"_{block.language}")(block, slow, follows)
+        installed = installed_commands()
         for words in in_sentences(self._page):
-            if not is_concrete(words) or words[0] in ENDLESS or measures(words):
+            if not is_concrete(words, installed) or words[0] in ENDLESS or measures(words):
                 continue
             if slow or is_quick(words):
                 assert self._type(words) == 0, words
@@ -251,15 +256,16 @@ def test_blocks_and_commands_of_a_page_work(session: Session, page: Path) -> Non
     session.read(slow=False)
 
 
-def is_long(page: Path) -> bool:
+def is_long(page: Path, installed: Any) -> bool:
     """Return True if a page has commands that the test above leaves out."""
     typed = [shlex.split(line)[1:] for b in blocks(page) if b.language == "sh" and b.runs
              for line in b.text.splitlines()]  # fmt: skip
-    told = [words for words in in_sentences(page) if is_concrete(words) and not measures(words)]
+    told = [w for w in in_sentences(page) if is_concrete(w, installed) and not measures(w)]
     return not all(map(is_quick, [*typed, *(w for w in told if w[0] not in ENDLESS)]))
 
 
-LONG_PAGES = [page for page in PAGES if is_long(page)]
+INSTALLED = installed_commands()
+LONG_PAGES = [page for page in PAGES if is_long(page, INSTALLED)]
 
 
 @pytest.mark.slow
@@ -313,8 +319,9 @@ def test_fault_on_a_page_fails_its_test(
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_commands_in_sentences_exist_with_their_options(page: Path) -> None:
+    installed = installed_commands()
     for words in in_sentences(page):
-        for leaf in leaves(typer.main.get_command(build_app()), words):
+        for leaf in leaves(installed, words):
             given = {word.split("=")[0] for word in words if word.startswith("--")}
             assert given <= options(leaf), words
 

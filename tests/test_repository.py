@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator
+from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,11 @@ def test_setup_and_ci_name_every_stated_python() -> None:
     lowest, highest = (f"({each.replace('.', ', ')})" for each in (VERSIONS[0], VERSIONS[-1]))
     assert f"{lowest} <= sys.version_info[:2] <= {highest}" in setup
     assert all(f"python{each}" in setup for each in VERSIONS)
+
+
+def test_tests_of_other_pythons_in_ci_exist() -> None:
+    named = re.findall(r"(?m)\btests(?:/\w+)+(?:\.py)?", (ROOT / ".ci/run").read_text("utf-8"))
+    assert len(named) > 15 and all((ROOT / each).exists() for each in named)
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.stem)
@@ -134,11 +140,20 @@ def test_paper_has_the_sections_and_length_of_its_journal_and_cites_its_bibliogr
     _, head, body = paper.split("---\n", 2)
     about = yaml.safe_load(head)
     assert {"title", "tags", "authors", "affiliations", "date", "bibliography"} <= set(about)
-    for section in ("Summary", "Statement of need", "State of the field", "References"):
-        assert f"\n# {section}\n" in body
+    assert re.findall(r"(?m)^# (.+)$", body) == [
+        "Summary", "Statement of need", "State of the field", "Software design",
+        "Research impact statement", "Acknowledgements", "References",
+    ]  # fmt: skip
+    institutions = {each["index"] for each in about["affiliations"]}
+    assert all(each["affiliation"] in institutions for each in about["authors"])
+    assert datetime.strptime(about["date"], "%d %B %Y").year >= 2026
     assert 750 <= len(body.split()) <= 1750
     listed = (ROOT / "docs/paper" / about["bibliography"]).read_text("utf-8")
     assert {*re.findall(r"\[@(\w+)\]", body)} == {*re.findall(r"(?m)^@\w+\{(\w+),", listed)}
+    # A reader can find each work: by an address, or by its school or its pages in print.
+    for entry in listed.split("\n}\n"):
+        given = set(re.findall(r"(?m)^  (\w+) = ", entry))
+        assert not given or given & {"doi", "url", "school"} or {"volume", "pages"} <= given, entry
 
 
 def test_citation_has_the_version_of_all_distributions() -> None:
