@@ -45,10 +45,16 @@ COMMANDS = [
 ]
 
 
+@pytest.fixture(scope="module")
+def installed() -> Any:
+    """Return the command line with all installed plug-ins."""
+    return typer.main.get_command(build_app())
+
+
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_exists_with_its_options(command: str) -> None:
+def test_every_command_exists_with_its_options(command: str, installed: Any) -> None:
     words = shlex.split(command)
-    for leaf in leaves(typer.main.get_command(build_app()), words):
+    for leaf in leaves(installed, words):
         given = {word.split("=")[0] for word in words if word.startswith("--")}
         assert given <= options(leaf)
 

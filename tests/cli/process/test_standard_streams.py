@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.test_main import cb as typed
+
 CB = [sys.executable, "-c", "from cbdsl.cli.main import main; main()"]
 COMMANDS = [
     ["list"],
@@ -32,13 +34,18 @@ def cb(words: list[str], closed: str, folder: Path) -> subprocess.CompletedProce
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 def test_command_with_closed_streams_ends_as_with_open_ones(
-    words: list[str], tmp_path: Path
+    words: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    plain = cb(words, "", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    expected = typed(monkeypatch, *words)  # in this process, whose streams are open
+    message = capsys.readouterr().err
     closed = cb(words, ">&-", tmp_path)
-    assert closed.returncode == plain.returncode
-    assert closed.stderr == plain.stderr and "internal error" not in closed.stderr
-    assert cb(words, ">&- 2>&- <&-", tmp_path).returncode == plain.returncode
+    assert closed.returncode == expected
+    assert closed.stderr == message and "internal error" not in closed.stderr
+    assert cb(words, ">&- 2>&- <&-", tmp_path).returncode == expected
 
 
 def test_closed_standard_error_prints_nothing_among_the_output(tmp_path: Path) -> None:

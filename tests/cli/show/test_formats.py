@@ -24,7 +24,7 @@ ASKED = {
     "kinds": [],
     "backends": [],
     "program": ["reachtouch"],
-    "allocations": ["reachtouch"],
+    "allocations": ["twist"],
     "bindings": ["poise"],
     "substitutes": ["searchtrack"],
     "policy": ["searchtrack"],
