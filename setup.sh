@@ -19,12 +19,14 @@ case "$parts" in *,sim,*) parts="${parts}calibration,compare,mujoco,report,why,"
 case "$parts" in *,mcp,*) parts="${parts}compare," ;; esac
 case "$parts" in *,compare,*) parts="${parts}why," ;; esac
 case "$parts" in *,ros2,*) parts="${parts}drive," ;; esac
-projects=""
+projects="-e ." names="cbdsl[$extra]"
 for project in distributions/cbdsl-*; do
-    case "$parts" in *,"${project#distributions/cbdsl-}",* | *,dev,*) projects="$projects -e ./$project" ;; esac
+    case "$parts" in *,"${project#distributions/cbdsl-}",* | *,dev,*)
+        projects="$projects -e ./$project" names="$names ${project#distributions/}" ;;
+    esac
 done
 # The experiments come with what developers need.
-case ",$extra," in *,dev,*) projects="$projects -e ./reproduction[dev]" ;; esac
+case ",$extra," in *,dev,*) projects="$projects -e ./reproduction" names="$names cbdsl-reproduction[dev]" ;; esac
 # An ordinary user's PATH may lack ldconfig.
 has_library() { PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q "$1"; }
 is_supported() {
@@ -66,9 +68,15 @@ fi
 can_make_environments || fail "$python cannot make virtual environments: install its package python3-venv"
 
 "$python" -m venv .venv
+install() { .venv/bin/python -m pip install --quiet --disable-pip-version-check "$@"; }
+# Left alone, pip would install the tool that builds them once for each project.
+install 'hatchling>=1.25' 'editables~=0.3'
 # One word per option.
 # shellcheck disable=SC2086
-.venv/bin/python -m pip install --quiet --disable-pip-version-check -e ".[$extra]" $projects
+install --no-deps --no-build-isolation $projects
+# What they need: they themselves are installed now.
+# shellcheck disable=SC2086
+install $names
 for library in .venv/lib/python3.*/site-packages/cmeel.prefix/lib; do
     [ -d "$library" ] || continue
     # Pinocchio needs OpenMP and does not bring it; the wheel of pykdtree holds a copy.
