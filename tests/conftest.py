@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -64,8 +65,12 @@ def kinematics(dexter: RobotDocument, urdf: Path) -> Kinematics:
 
 @pytest.fixture(scope="session")
 def checked(library: Library) -> Checked:
-    """Return a function for shipped programs by name, with values of their parameters."""
+    """Return a function for shipped programs by name, with values of their parameters.
 
+    Programs are immutable, so that all tests of a process share them.
+    """
+
+    @cache
     def check(name: str, **values: str) -> CheckedProgram:
         return check_program(name, values, library)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from cbdsl.yaml_text.library import Library, shipped
 PROGRAMS = Library(shipped()).names(ProgramDocument)
 
 
+@cache
 def program_of(name: str) -> CheckedProgram:
     return check_program(name, {}, Library(shipped()))
 
