@@ -121,9 +121,9 @@ def test_versions_of_the_site_have_a_list_a_default_and_their_addresses(
     for script in ("make_gallery.py", "make_playground.py"):
         (clone / "docs" / script).write_text("", "utf-8")
     # One page shows the addresses of all, and its links to others lead nowhere now.
-    for page in (clone / "docs").rglob("*.md"):
-        if page.name not in ("index.md", "diagnostics.md"):
-            page.unlink()
+    for written in (clone / "docs").rglob("*.md"):
+        if written.name not in ("index.md", "diagnostics.md"):
+            written.unlink()
     settings = (clone / "mkdocs.yml").read_text("utf-8")
     settings = re.sub(r"(?ms)^nav:\n.*", "nav: [index.md, diagnostics.md]\n", settings)
     (clone / "mkdocs.yml").write_text(settings.replace("strict: true", "strict: false"), "utf-8")

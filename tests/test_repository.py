@@ -230,7 +230,7 @@ def test_spelling_leaves_out_skipped_files_that_a_hook_names() -> None:
         ROOT / "cbdsl/diagnostics/codes",
     )
     named = [file for folder in folders for file in folder.iterdir() if file.is_file()]
-    names = [file.relative_to(ROOT) for file in named]
+    names = [str(file.relative_to(ROOT)) for file in named]
     command = [sys.executable, "-m", "codespell_lib", *names]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.checking.controller.triple import check_triple
 from cbdsl.checking.rules import compositions
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.editor.buffers import Buffers
@@ -63,11 +64,10 @@ def test_only_the_controller_that_changed_is_checked_again(
 ) -> None:
     program = ROOT / "programs" / "bimanualtouch.yaml"
     text, buffers, checked = program.read_text("utf-8"), Buffers(ROOT), list[str]()
-    check = compositions.check_triple
 
     def counted(context, key, *rest):  # type: ignore[no-untyped-def]
         checked.append(key)
-        return check(context, key, *rest)
+        return check_triple(context, key, *rest)
 
     monkeypatch.setattr(compositions, "check_triple", counted)
     plain = "  plain: {potential: spring, reference: head.uniform, feedback: head, effector: head"
