@@ -148,7 +148,7 @@ LEARNERS: Registry[LearnerClass] = Registry(
     {
         ACCOMMODATE: "cbdsl.learning.accommodate:Accommodate",
         ASSIMILATE: "cbdsl.learning.assimilate:Assimilate",
-        TRANSFER: "cbdsl.learning.transfer:Transfer",
+        TRANSFER: "cbdsl.learning.assimilate:Transfer",
         NAME_RELATIONS: "cbdsl.learning.catalogs.name_relations:NameRelations",
     },
     _learner_class,

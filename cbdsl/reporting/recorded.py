@@ -131,7 +131,7 @@ def find_recordings(path: Path) -> list[Path]:
     """
     if not path.exists():
         raise UsageError(f"{path}: there is no such file or folder")
-    if path.is_file():
+    if not path.is_dir():
         return [path.with_suffix(".json") if path.suffix == ".npz" else path]
     files = {each.with_suffix(".json") for each in path.glob("episode_*.json")}
     files |= {each.with_suffix(".json") for each in path.glob("episode_*.npz")}

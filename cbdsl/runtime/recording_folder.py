@@ -44,7 +44,7 @@ class RecordingFolder:
             pass
         for seed in seeds:
             self._require_absent(seed)
-            for file in self.files(seed):
+            for file in (*self.files(seed), self.path / f".episode_{seed}.lock"):
                 require_unlinked(file)
 
     @contextmanager

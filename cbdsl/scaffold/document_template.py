@@ -16,7 +16,7 @@ from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.document import NAME_PATTERN, Document
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file
 from cbdsl.documents.kinds import KINDS, kind_of
-from cbdsl.storage.atomic_file import write_bytes
+from cbdsl.storage.atomic_file import require_unlinked, write_bytes
 
 # Unquoted texts that every YAML parser reads as strings, not as numbers, booleans or null.
 _PLAIN = re.compile(
@@ -109,6 +109,9 @@ class DocumentTemplate:
 
     def _write_files(self, files: Mapping[Path, bytes]) -> None:
         try:
+            for folder in {folder for path in files for folder in path.parents}:
+                if folder.is_relative_to(self._root) and folder != self._root:
+                    require_unlinked(folder)
             for path, contents in files.items():
                 path.parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(contents, path)

@@ -33,6 +33,7 @@ COMMANDS = {
     ),
     "schema": ("schema stage --write theirs", ()),
     "new": ("new program theirs --to theirs --force", ()),
+    "new in the folder of its kind": ("new program mine --force", ()),
 }
 
 

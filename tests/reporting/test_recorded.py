@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -221,6 +222,13 @@ def test_recordings_of_a_folder_are_sorted_by_seed(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     found = [file.name for file in find_recordings(tmp_path)]
     assert found == ["episode_9.json", "episode_10.json", "episode_11.json"]
+
+
+@pytest.mark.parametrize("name", ["", "episode_1.json"])
+def test_recording_that_is_a_named_pipe_is_refused_by_its_kind(name: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "episode_1.json")
+    with pytest.raises(UsageError, match="it is a named pipe"):
+        read_recording(*find_recordings(tmp_path / name))
 
 
 def test_folder_without_recordings_is_reported(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cbdsl.program.checked import CheckedProgram
@@ -48,7 +48,7 @@ def test_loop_that_changes_nothing_ends_early_with_its_steps(
 ) -> None:
     result = play(program_of(written, STAY, policy), nothing).result
     assert len(result.actions) < 100
-    assert "went round first and reach for 3.0 s, and no signal changed" in result.ending
+    assert "went round first and reach for 3.0 s, and no round changed a signal" in result.ending
     assert "stereo.sat_10 stayed undefined" in result.ending
 
 
@@ -111,6 +111,63 @@ def test_loop_of_quick_actions_ends_after_a_round_and_one_that_waits_goes_on(
     else:
         least = 2 * size * time + max(3.0, size * time)
         assert least - 1e-6 <= ended <= least + 2 * time
+
+
+TURN = (
+    "{{potential: spring, reference: [{} deg, 0 deg], feedback: head, effector: head, "
+    "speed: 0.6 rad/s}}"
+)
+PATROL = "right: {then: reach}\n  reach: {then: end, failed: left}\n"
+
+
+@pytest.mark.parametrize("then", [PATROL, "right: {then: left}\n"])
+def test_slow_loop_that_moves_ends_early_if_an_action_is_undefined(
+    written: Written, play: Play, then: str
+) -> None:
+    reach = f", reach: {REACH}" if then == PATROL else ""
+    program = written(
+        f"controllers: {{left: {TURN.format(40)}, right: {TURN.format(-40)}{reach}}}\n"
+        f"steps:\n  left: {{then: right}}\n  {then}"
+        "limits: {transitions: 50, transition_time: 6 s}\n"
+    )
+    ending = play(program, nothing).result.ending
+    assert ("went round" if then == PATROL else "used up its 50 transitions") in ending
+
+
+@pytest.fixture
+def two_actions(written: Written) -> CheckedProgram:
+    return program_of(written, STAY, POSITIONAL)
+
+
+PARTS = st.tuples(st.floats(0.1, 4.0), st.booleans(), st.sampled_from("1-"))
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(PARTS, min_size=2, max_size=6), st.sampled_from([0.0, 0.01]))
+def test_loop_ends_unless_it_waits_drifts_or_moves_without_an_undefined_state(
+    two_actions: CheckedProgram, parts: list[tuple[float, bool, str]], drift: float
+) -> None:
+    signals, ended, place = Measured(), 0.0, 0.0
+    loop = FruitlessLoop(two_actions, signals)  # type: ignore[arg-type]
+    places = []
+    for number in range(120 * len(parts)):
+        lasts, moves, state = parts[number % len(parts)]
+        place = float(number % len(parts)) if moves else place
+        signals.time += lasts
+        signals.positions = np.array([place + drift * (number // len(parts))])
+        places.append(place)
+        if loop.note(f"action {number % len(parts)}", f"X{state}"):
+            ended = signals.time
+            break
+    durations, last = [each[0] for each in parts], places[-len(parts) - 1 :]
+    kept = dict(zip(range(len(places) - len(parts), len(places)), np.diff(last) == 0, strict=True))
+    waits = any(same and durations[n % len(parts)] > 1.0 for n, same in kept.items())
+    means = not all(kept.values()) and all(state == "1" for *_, state in parts)
+    if drift or waits or means:
+        assert not ended
+    else:
+        patience = max(3.0 if all(kept.values()) else 30.0, sum(durations))
+        assert patience <= ended + 1e-9 <= patience + 5 * sum(durations)
 
 
 class MeasuredObject(Measured):

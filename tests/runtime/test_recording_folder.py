@@ -65,3 +65,10 @@ def test_claim_of_a_lock_that_was_removed_meanwhile_locks_the_next_file(
     with other.claim(3), pytest.raises(UsageError, match="another process"), third.claim(3):
         pass
     assert not list(tmp_path.iterdir())
+
+
+def test_folder_with_a_linked_lock_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    (tmp_path / ".episode_7.lock").symlink_to(tmp_path / "mine")
+    with pytest.raises(OSError, match="remove the link"):
+        RecordingFolder(tmp_path, overwrite=True).require_ready([7])
+    assert not (tmp_path / "mine").exists()

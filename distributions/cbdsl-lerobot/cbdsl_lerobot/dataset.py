@@ -82,6 +82,12 @@ def write_dataset(
 
 
 def _require_free(target: Path, *, overwrite: bool) -> None:
+    # The libraries that write and read datasets know paths as Unicode text only.
+    if any("\ud800" <= sign <= "\udfff" for sign in str(target)):
+        raise UsageError(
+            f"{target}: the name is not UTF-8, as those of datasets are; choose another folder "
+            "with --out"
+        )
     if not target.exists():
         return
     if not overwrite:

@@ -234,6 +234,13 @@ def test_recordings_of_other_sensors_are_refused(recorded: Recorded, tmp_path: P
         write_dataset([recorded, replace(recorded, summary=summary)], tmp_path / "dataset")
 
 
+def test_write_dataset_with_name_that_is_not_utf8_is_refused(
+    recorded: Recorded, tmp_path: Path
+) -> None:
+    with pytest.raises(UsageError, match="not UTF-8"):
+        write_dataset([recorded], tmp_path / "kept\udcff" / "dataset", rate=RATE)
+
+
 def test_only_datasets_are_replaced(recorded: Recorded, tmp_path: Path) -> None:
     precious = tmp_path / "photos"
     precious.mkdir()

@@ -96,7 +96,7 @@ def find_learned(path: Path) -> list[Path]:
     """
     if not path.exists():
         raise UsageError(f"{path}: there is no such file or folder")
-    if path.is_file():
+    if not path.is_dir():
         if path.name.endswith(_JOURNAL):
             policy = path.with_name(path.name.removesuffix(_JOURNAL) + ".yaml")
             raise UsageError(f"{path}: a journal; name the policy that was learned, {policy}")

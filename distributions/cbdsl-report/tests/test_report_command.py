@@ -121,3 +121,14 @@ def test_report_without_numpy_names_the_extra(
     monkeypatch.setitem(sys.modules, "numpy", None)
     assert cb(monkeypatch, "report", "knowledge") == 2
     assert "pip install 'cbdsl[sim]'" in capsys.readouterr().err
+
+
+def test_report_of_a_named_pipe_says_so(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(folder / "pipe.yaml")
+    try:
+        assert cb(monkeypatch, "report", "pipe.yaml") == 1
+    finally:
+        (folder / "pipe.yaml").unlink()
+    assert "it is a named pipe" in capsys.readouterr().out
