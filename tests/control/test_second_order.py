@@ -330,18 +330,19 @@ def balance_of(rows: Floats, pull: Floats, pinned: int) -> tuple[Floats, Basis, 
     return balance(pull, basis, taken, rows), basis, taken
 
 
+@pytest.mark.parametrize("unit", [1.0, 0.05])
 @pytest.mark.parametrize("pinned", [-1, 0, 4])
 def test_multipliers_balance_a_pull_in_the_span_of_the_levels_above(
-    pinned: int, rng: np.random.Generator
+    pinned: int, unit: float, rng: np.random.Generator
 ) -> None:
-    rows, weights = rng.normal(size=(4, 7)), rng.normal(size=4)
+    rows, weights = unit * rng.normal(size=(4, 7)), rng.normal(size=4)
     pull = rows.T @ weights
     if pinned >= 0:
         pull[pinned] += 2.0
     left = pull.copy()
     multipliers, _, taken = balance_of(rows, left, pinned)
     assert taken == 4 + (pinned >= 0)
-    np.testing.assert_allclose(multipliers, weights, rtol=1e-6)
+    np.testing.assert_allclose(multipliers, weights, rtol=1e-6 / unit**2)
     np.testing.assert_allclose(left, 0.0, atol=1e-6)
 
 
@@ -448,7 +449,8 @@ def test_step_down_a_curvature_is_added_if_the_ordinary_step_gains_less(
     along = np.array([0.0, side * pull])
     curvature = np.diag([0.0, -0.02])
     way = Way(requested, fraction, requested / fraction, 0.5)
-    step, _ = step_of(curvature, values, along, guards, way)
+    step, resisted = step_of(curvature, values, along, guards, way)
+    assert len(resisted) == added and np.isfinite(resisted).all()
     ordinary = values[1] * along[1] / (1e-4 + damping * (1.0 - 1e-4 / 0.04**2))
     gained = values[1] * along[1] * ordinary / fraction
     length = requested / 0.5
@@ -498,6 +500,28 @@ def test_step_down_a_curvature_takes_the_direction_that_gains_most(steeper: int)
     step, resisted = step_of(np.diag(bends), np.array([0.5]), np.zeros(1), guards, way)
     np.testing.assert_array_equal(np.flatnonzero(step), [steeper])
     np.testing.assert_array_equal(np.flatnonzero(resisted), [steeper])
+
+
+@pytest.mark.parametrize("fraction", [0.1, 0.9])
+def test_step_down_a_curvature_weighs_a_pull_by_the_whole_error(fraction: float) -> None:
+    """The second direction is steeper; the first one has a pull, which a farther target raises."""
+    guards, along, requested = np.array([0.01, 0.04, 1.0]), np.array([-0.01, 0.0]), 0.005
+    way = Way(requested, fraction, requested / fraction, 0.5)
+    bends, length, rows = np.array([-0.02, -0.024]), requested / 0.5, np.full(2, 0.001)
+    gains = np.abs(rows * along) * length / fraction + 0.5 * np.abs(bends) * length**2
+    step, _ = step_of(np.diag(bends), rows, along, guards, way)
+    assert int(np.argmax(np.abs(step))) == int(np.argmax(gains))
+
+
+def test_step_down_a_curvature_without_a_pull_has_a_positive_largest_part_in_any_frame(
+    rng: np.random.Generator,
+) -> None:
+    guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05, 0.5)
+    for _ in range(40):
+        frame, _ = np.linalg.qr(rng.normal(size=(5, 5)))
+        curvature = frame @ np.diag([-0.03, -0.02, 0.0, 0.01, 0.02]) @ frame.T
+        step, _ = step_of(curvature, np.full(5, 1e-4), np.zeros(5), guards, way)
+        assert step[np.argmax(np.abs(step))] > 0.0
 
 
 def test_level_that_requests_nothing_leaves_no_saddle() -> None:
