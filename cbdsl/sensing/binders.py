@@ -8,6 +8,7 @@ from typing import Any
 from cbdsl.sensing.link_distances import LinkDistances
 from cbdsl.sensing.predicted_signals import PredictedSignals
 from cbdsl.sensing.sensor_readers import SensorReaders
+from cbdsl.sensing.table.chain import require_executed
 from cbdsl.sensing.table.kinematic_rows import KinematicRows
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.table.refresh import CONTACT, HEADING, WRITTEN
@@ -31,7 +32,7 @@ class Binders:
         sensors: Readers of the sensors.
         predicted: Reader of predicted signals.
         distances: Reader of the distances of links.
-        declared: Function of a sensor's or model's signal and its size that returns its reader.
+        declared: Function of a resource of another package that returns its reader.
     """
 
     def __init__(
@@ -41,7 +42,7 @@ class Binders:
         sensors: SensorReaders,
         predicted: PredictedSignals,
         distances: LinkDistances,
-        declared: Callable[[sources.SensorSignal | sources.ModelSignal, int], Reader],
+        declared: Callable[[Any], Reader],
     ) -> None:
         self._rows, self._sight = rows, sensors.sight
         touch, sight, blobs = sensors.touch, sensors.sight, sensors.blobs
@@ -78,7 +79,12 @@ class Binders:
         }
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
-        """Bind a row of a resource with chains of its Jacobian; return the row's number."""
+        """Bind a row of a resource with chains of its Jacobian; return the row's number.
+
+        Raises:
+            CastError: No row of such a source executes one of the chains.
+        """
+        require_executed(resource, chains)
         return self._by_type[type(resource.source)](resource, chains)
 
     def _read_by(
@@ -120,12 +126,8 @@ class Binders:
 
         return bind
 
-    def _declared(self, reader_of: Callable[[Any, int], Reader]) -> Binder:
-        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
-            size = resource.type.size
-            return self._rows.bind_read(size, reader_of(resource.source, size))
-
-        return bind
+    def _declared(self, reader_of: Callable[[Any], Reader]) -> Binder:
+        return lambda one, chains: self._rows.bind_read(one.type.size, reader_of(one))
 
     def _heading(self, shift: int = 0) -> Callable[[int], Form]:
         return lambda size: Form(HEADING, size, size, self._sight.camera_parts(shift))

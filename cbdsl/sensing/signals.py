@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -20,7 +20,6 @@ from cbdsl.sensing.predicted_signals import PredictedSignals
 from cbdsl.sensing.sensor_faults import require_finite
 from cbdsl.sensing.sensor_readers import SensorReaders
 from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
-from cbdsl.sensing.table.chain import require_executed
 from cbdsl.sensing.table.kinematic_rows import KinematicRows
 from cbdsl.sensing.table.reading import Reading, shaped
 from cbdsl.sensing.table.refresh import CONTACT, DISPLACED, NORMAL_FORCES, refresh
@@ -65,6 +64,7 @@ class Signals:
         time: Time of the newest observation, s.
         is_awaited: True if the world waits for the tick, as simulations do; see
             ``Backend.deadline``.
+        observers: Functions called with each observation, such as by readers of images.
     """
 
     def __init__(
@@ -75,6 +75,7 @@ class Signals:
         hulls: Mapping[str, HullSection] = MappingProxyType({}),
     ) -> None:
         self.robot, self.is_awaited = robot, True
+        self.observers: list[Callable[[Observation], None]] = []
         self.kinematics = kinematics
         self.joints = kinematics.joints
         self.positions = kinematics.positions
@@ -95,14 +96,16 @@ class Signals:
             self.sensors,
             predicted,
             self.distances,
-            lambda signal, size: declared_reader(signal, size, len(self.joints), self),
+            lambda each: declared_reader(each.source, each.type.size, len(self.joints), self),
         )
         self.follow(resources)
         self.reset()
 
     def follow(self, resources: Iterable[Resource]) -> None:
         """Sense more resources from now on; the memories of the others stay."""
-        self.sensors.follow(tuple(_with_features(resources)))
+        # Some resources are computed from features, which are sensed, too.
+        more = tuple(each for one in resources for each in (one, *features_of(one.source)))
+        self.sensors.follow(more)
 
     def reset(self) -> None:
         """Forget the previous episode."""
@@ -130,6 +133,8 @@ class Signals:
         self.time = observation.time
         self.kinematics.update(observation.positions)
         self.sensors.update(observation, wrenches)
+        for notify in self.observers:
+            notify(observation)
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...] | None = None) -> int:
         """Return the number of a resource's row; bind the row at the first call.
@@ -143,8 +148,8 @@ class Signals:
         """
         key = key_of(resource.source)
         if chains is None or chains == chains_of(resource):
-            return self._rows.bound(key, lambda: self._bind(resource, chains_of(resource)))
-        return self._rows.bound((*key, chains), lambda: self._bind(resource, chains))
+            return self._rows.bound(key, lambda: self._binders.bind(resource, chains_of(resource)))
+        return self._rows.bound((*key, chains), lambda: self._binders.bind(resource, chains))
 
     def bind_written(self, size: int) -> int:
         """Bind a row that the caller writes with ``table.write``; return its number."""
@@ -219,10 +224,6 @@ class Signals:
         value, jacobian = self.table.values(number), self.table.rows(number).copy()
         return Reading(shaped(value, kind), jacobian, int(record["stamp"]), float(record["radius"]))
 
-    def _bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
-        require_executed(resource, chains)
-        return self._binders.bind(resource, chains)
-
     def _bind_normal_forces(self, normals: Normals | None, owner: str) -> int:
         if normals is Normals.PALMS:
             hands, source = len(self.touch.hands(owner)), NetForces(owner)
@@ -244,10 +245,3 @@ class Signals:
         if resource.type == POSITION:
             limits = np.full(3, -np.inf), np.full(3, np.inf)
         return joint_sampler(source, *limits, rng)
-
-
-def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:
-    """Yield resources, and the features from which some of them are computed."""
-    for resource in resources:
-        yield resource
-        yield from features_of(resource.source)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.extend.document import (
@@ -34,6 +34,8 @@ _ROUNDING = 1e-9
 # Facts of models that were examined last, by digest.
 _KEPT: dict[str, ModelFacts] = {}
 _MOST_KEPT = 16
+# Type of a model's input of bytes, channels of an image, and the end of its name.
+_BYTES, _CHANNELS, _IMAGE = "uint8", 3, ".image"
 _SIZES = {"orientation": 9, "pose": 12}
 _FAULTS = {
     "format": network.UNREADABLE,
@@ -101,6 +103,8 @@ class _Check:
     ) -> None:
         self._loaded, self._body, self._diagnostics = loaded, body, diagnostics
         self._document = loaded.document
+        cameras = {f"{name}{_IMAGE}" for name in body.document.cameras}
+        self._images = cameras.difference(body.resources)
 
     def plan(self) -> Outcome[NetworkPlan]:
         """Return the network's constants; unknown if it has faults."""
@@ -177,7 +181,7 @@ class _Check:
         resource = self._body.resources.get(text)
         if resource is None:
             problem = f"robot '{self._document.robot}' has no signal '{text}'"
-            names = list(self._body.resources)
+            names = [*self._body.resources, *sorted(self._images)]
             self._add(network.SIGNAL, *steps, problem=problem, names=names, given=text)
             return UNKNOWN
         if resource.is_drawn or resource.origin is Origin.CONSTANT:
@@ -187,16 +191,39 @@ class _Check:
         return resource
 
     def _input(self, name: str, section: InputSection) -> Outcome[InputPlan]:
+        if self._images.intersection(section.of):
+            return self._image(name, section)
         outcomes = [
             self._signal(text, "inputs", name, "of", place) for place, text in enumerate(section.of)
         ]
         signals = tuple(each for each in outcomes if not isinstance(each, Unknown))
         if len(signals) < len(outcomes):
             return UNKNOWN
+        if section.size is not None:
+            problem = "only an image has a size"
+            self._add(network.SIGNAL, "inputs", name, "size", problem=problem)
+            return UNKNOWN
         scale = self._scale(section, sum(map(size_of, signals)), "inputs", name)
         if isinstance(scale, Unknown):
             return UNKNOWN
         return InputPlan(name, signals, scale, section.history, (), "")
+
+    def _image(self, name: str, section: InputSection) -> Outcome[InputPlan]:
+        problem = ""
+        if len(section.of) > 1:
+            problem = f"'{name}' joins an image with other signals; give each an input of its own"
+        elif section.size is None:
+            problem = (
+                f"'{section.of[0]}' needs the model's height and width, such as size: [96, 96]"
+            )
+        if problem or section.size is None:
+            self._add(network.SIGNAL, "inputs", name, "of", problem=problem)
+            return UNKNOWN
+        scale = self._scale(section, _CHANNELS, "inputs", name)
+        if isinstance(scale, Unknown):
+            return UNKNOWN
+        camera = section.of[0].removesuffix(_IMAGE)
+        return InputPlan(name, (), scale, section.history, (), "", camera, section.size)
 
     def _scale(self, section: NormalisedSection, size: int, *steps: str) -> Outcome[Normalisation]:
         for key in ("mean", "deviation"):
@@ -212,6 +239,10 @@ class _Check:
         tensor = self._tensor(plan.name, facts.inputs, "input", "inputs", plan.name)
         if isinstance(tensor, Unknown):
             return UNKNOWN
+        if plan.camera:
+            return self._fitted_image(plan, tensor)
+        if not self._has_floats(tensor, "input", "inputs", plan.name):
+            return UNKNOWN
         size = sum(map(size_of, plan.resources))
         if not self._fits(tensor, plan.history, size, plan.name, "inputs", plan.name, "of"):
             return UNKNOWN
@@ -225,17 +256,46 @@ class _Check:
             problem = f"the model has no {role} '{name}', but {', '.join(map(repr, tensors))}"
             self._add(network.TENSOR, *steps, problem=problem)
             return UNKNOWN
-        if not tensor.dtype:
-            problem = f"the model's {role} '{name}' has another type than floats"
-            self._add(network.TENSOR, *steps, problem=problem)
-            return UNKNOWN
         return tensor
+
+    def _has_floats(self, tensor: TensorFacts, role: str, *steps: str) -> bool:
+        if tensor.dtype and tensor.dtype != _BYTES:
+            return True
+        name = self._document.output.name if role == "output" else steps[-1]
+        problem = f"the model's {role} '{name}' has another type than floats"
+        self._add(network.TENSOR, *steps, problem=problem)
+        return False
+
+    def _fitted_image(self, plan: InputPlan, tensor: TensorFacts) -> Outcome[InputPlan]:
+        rows, (height, width) = plan.history, plan.size
+        first, last = (_CHANNELS, height, width), (height, width, _CHANNELS)
+        # Frames of channels one after another are the same numbers as frames one after another.
+        shapes = {(rows, *first): True, (rows * _CHANNELS, height, width): True}
+        shapes.setdefault((rows, *last), False)
+        given = _without_ones(tensor.shape)
+        fits = [is_first for shape, is_first in shapes.items() if _without_ones(shape) == given]
+        problem = ""
+        if not fits:
+            sizes = f"{rows} x {_CHANNELS} x {height} x {width}"
+            problem = (
+                f"'{plan.name}' of the model has shape {tensor.shape}, but images of {sizes} are "
+                "given, or with the channels last"
+            )
+        elif not tensor.dtype:
+            problem = f"the model's input '{plan.name}' has another type than bytes or floats"
+        elif tensor.dtype == _BYTES and any(plan.scale):
+            problem = f"the model's input '{plan.name}' takes bytes, which are not normalised"
+        if problem:
+            self._add(network.TENSOR, "inputs", plan.name, "of", problem=problem)
+            return UNKNOWN
+        return plan._replace(shape=tensor.shape, dtype=tensor.dtype, channels_first=fits[0])
 
     def _fits(self, tensor: TensorFacts, rows: int, size: int, name: str, *steps: str) -> bool:
         """Return whether a tensor holds rows of a size, one below another or in turn."""
-        shape = tuple(each for each in tensor.shape if each != 1)
-        wanted = tuple(each for each in (rows, size) if each != 1)
-        if shape in (wanted, tuple(each for each in (rows * size,) if each != 1)):
+        if _without_ones(tensor.shape) in (
+            _without_ones((rows, size)),
+            _without_ones((rows * size,)),
+        ):
             return True
         problem = (
             f"'{name}' of the model has shape {tensor.shape}, but {rows} x {size} numbers are given"
@@ -260,11 +320,17 @@ class _Check:
         scale = self._scale(section, size, "output")
         if isinstance(tensor, Unknown) or isinstance(scale, Unknown):
             return UNKNOWN
+        if not self._has_floats(tensor, "output", "output", "name"):
+            return UNKNOWN
         if not self._fits(tensor, section.steps, size, section.name, "output", "of"):
             return UNKNOWN
         return OutputPlan(
             section.name, feedback, section.gives, scale, section.steps, section.executed
         )
+
+
+def _without_ones(shape: Sequence[int]) -> tuple[int, ...]:
+    return tuple(size for size in shape if size != 1)
 
 
 def _examined(data: bytes) -> _Model:

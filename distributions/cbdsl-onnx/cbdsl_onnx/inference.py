@@ -18,8 +18,10 @@ from cbdsl_onnx.model_file import load
 from cbdsl_onnx.network import NetworkDocument
 from cbdsl_onnx.plan import NetworkPlan
 
-#: Time beyond the deadline for which a simulation waits for a thread that may starve, s.
-_GRACE = 1.0
+#: Time for which a simulation waits for an output, s.
+_LONGEST = 60.0
+#: First outputs of which one must be in time.
+_FIRST = 3
 
 
 class Inference:
@@ -42,6 +44,7 @@ class Inference:
         self._output = plan.output.name
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="network")
         self._request: Future[tuple[NDArray[Any], float]] | None = None
+        self._seconds: list[float] = []
 
     @property
     def is_busy(self) -> bool:
@@ -64,30 +67,55 @@ class Inference:
     def receive(self, deadline: float) -> NDArray[Any] | None:
         """Return the output of the last request, or ``None`` if it is late or not finite.
 
-        Ticks of a simulation may be shorter than their simulated time, or starve the thread. An
-        output is therefore late by the processor time of its own computation.
+        A robot never waits. A simulation waits for each output, so that its result does not depend
+        on the load of the computer. A network that no robot could follow is an error there.
 
         Args:
-            deadline: Longest computation of an output, s; 0 never waits.
+            deadline: Longest computation of an output in a simulation, s; 0 never waits.
+
+        Raises:
+            ValueError: All of the first outputs took more processor time than the deadline, or one
+                took more than a minute.
         """
         request, self._request = self._request, None
         if request is None:
             return None
         try:
-            output, seconds = request.result(deadline + _GRACE if deadline else 0)
+            output, seconds = request.result(_LONGEST if deadline else 0)
         except Late:
             # It stops at its next operator, and the next request waits until then.
             self._options.terminate = True
+            if deadline:
+                raise ValueError(f"an output takes more than {_LONGEST:g} s") from None
             self._request = request
             return None
         except Exception:  # of onnxruntime, for inputs that the dry run did not have
             return None
-        is_late = 0 < deadline < seconds
-        return None if is_late or not np.isfinite(output).all() else output
+        if deadline:
+            self._require_speed(seconds, deadline)
+        return output if np.isfinite(output).all() else None
+
+    def _require_speed(self, seconds: float, deadline: float) -> None:
+        """Require that one of the first outputs took at most the deadline; a single one may stall.
+
+        Raises:
+            ValueError: None did.
+        """
+        if len(self._seconds) >= _FIRST:
+            return
+        self._seconds.append(seconds)
+        quickest = min(self._seconds)
+        if len(self._seconds) == _FIRST and quickest > deadline:
+            raise ValueError(
+                f"each of its first {_FIRST} outputs takes {1e3 * quickest:.0f} ms or more of "
+                f"processor time, and its deadline is {1e3 * deadline:g} ms; raise the deadline, "
+                "or use a smaller model"
+            )
 
     def forget(self) -> None:
         """Forget the request of an earlier episode."""
         if self._request is not None:
             self._options.terminate = True
+            self._request = None  # the next request follows it, and is not left out
         if isinstance(self._session, PolicySession):
             self._thread.submit(self._session.reset)

@@ -6,6 +6,7 @@ are no dependencies of cbdsl.
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import subprocess
@@ -43,7 +44,7 @@ def examine_policy(file: Path) -> ModelFacts:
     """Return the features of a policy by its configuration.
 
     Raises:
-        ModelFileError: It has no configuration, images as inputs, or no environment to run in.
+        ModelFileError: It has no configuration, or no environment to run in.
     """
     try:
         config = json.loads(contents(file.parent / _CONFIG, _MOST_CONFIG))
@@ -60,8 +61,6 @@ def examine_policy(file: Path) -> ModelFacts:
 
 def _facts(feature: Mapping[str, Any]) -> TensorFacts:
     shape = tuple(int(size) for size in feature["shape"])
-    if feature["type"] == "VISUAL":
-        raise ModelFileError("runtime", "a policy with images as inputs is not supported")
     return TensorFacts(shape, "float32")
 
 
@@ -118,7 +117,7 @@ class PolicySession:
         Raises:
             ValueError: The policy fails.
         """
-        self._send({name: values.tolist() for name, values in feeds.items()})
+        self._send({name: _packed(values) for name, values in feeds.items()})
         answer = self._answer()
         self.elsewhere = float(answer.get("seconds", 0.0))
         if "action" not in answer:
@@ -144,3 +143,9 @@ class PolicySession:
         line = self._process.stdout.readline()
         answer: dict[str, Any] = json.loads(line) if line else {"fault": "its process has ended"}
         return answer
+
+
+def _packed(values: NDArray[Any]) -> dict[str, object]:
+    """Return an array as JSON can hold it: an image as a list of numbers would be slow."""
+    data = base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+    return {"dtype": str(values.dtype), "shape": values.shape, "data": data}

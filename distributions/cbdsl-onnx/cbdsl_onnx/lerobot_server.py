@@ -1,12 +1,14 @@
 """Server of a LeRobot policy, run by a Python that has lerobot; it imports nothing of cbdsl.
 
-It reads requests from the standard input, one JSON object per line: ``{"reset": true}``, or values
-by feature. To the latter it answers ``{"action": [...], "seconds": s}`` with its processor time.
-The first line that it writes is ``{"ready": true}``, or ``{"fault": "..."}``.
+It reads requests from the standard input, one JSON object per line: ``{"reset": true}``, or arrays
+by feature, each with its type, its shape, and its bytes in base 64. To the latter it answers
+``{"action": [...], "seconds": s}`` with its processor time. The first line that it writes is
+``{"ready": true}``, or ``{"fault": "..."}``.
 """
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import sys
@@ -26,6 +28,14 @@ def loaded(folder: str) -> tuple[Any, Any, Any]:
     if not hasattr(factory, "make_pre_post_processors"):
         return policy, lambda batch: batch, lambda action: action  # it normalises by itself
     return policy, *factory.make_pre_post_processors(config, pretrained_path=folder)
+
+
+def array(packed: dict[str, Any]) -> Any:
+    """Return a packed array as a batch of one."""
+    import numpy
+
+    values = numpy.frombuffer(base64.b64decode(packed["data"]), packed["dtype"])
+    return values.reshape(1, *packed["shape"])
 
 
 def serve(folder: str, out: Any) -> None:
@@ -51,7 +61,7 @@ def serve(folder: str, out: Any) -> None:
         begun = time.process_time()
         try:
             with torch.no_grad():
-                batch = {name: torch.tensor([values]) for name, values in request.items()}
+                batch = {name: torch.tensor(array(each)) for name, each in request.items()}
                 action = after(policy.select_action(before(batch)))
             answer = {"action": action.squeeze(0).tolist()}
         except Exception as error:

@@ -18,7 +18,12 @@ from numpy.typing import NDArray
 from cbdsl_onnx.wire import FLOATS, fields, parts
 
 #: Types of inputs and outputs of onnxruntime, with those of numpy.
-TYPES = {"tensor(float)": "float32", "tensor(double)": "float64", "tensor(float16)": "float16"}
+TYPES = {
+    "tensor(float)": "float32",
+    "tensor(double)": "float64",
+    "tensor(float16)": "float16",
+    "tensor(uint8)": "uint8",
+}
 
 #: Time after which a dry run is stopped, s.
 _DRY_RUN = 10.0
@@ -49,7 +54,7 @@ class TensorFacts(NamedTuple):
 
     Attributes:
         shape: Sizes; 1 in place of a size that varies.
-        dtype: Type of its numbers, as of numpy; empty for other types than floats.
+        dtype: Type of its numbers, as of numpy; empty for other types than floats and bytes.
     """
 
     shape: tuple[int, ...]

@@ -37,7 +37,11 @@ class InputSection(NormalisedSection):
 
     of: Annotated[tuple[str, ...], Field(min_length=1)]
     """Signals of the robot, one after another, in SI units. An orientation is a rotation matrix row
-    by row, and a pose begins with its position."""
+    by row, and a pose begins with its position. An image of a camera, such as `left.image`, stands
+    alone: RGB, as bytes, or as floats from 0 to 1, normalised by one number per channel."""
+    size: tuple[PositiveCount, PositiveCount] | None = None
+    """Height and width to which an image is resized, px. The channels come first or last, as in the
+    shape of the model's input."""
     history: PositiveCount = 1
     """Number of observations, one per period, oldest first. The first one of an episode is repeated
     until there are enough."""
@@ -131,7 +135,7 @@ REFUSED = _entry(
     "the model {file} cannot run: {reason}",
     "The model has an operator, a version of the operators or a type that this version of "
     "onnxruntime does not know, or it fails on inputs of zeros. Export it for an older opset. A "
-    "policy of LeRobot needs a Python that has lerobot, and no images.",
+    "policy of LeRobot needs a Python that has lerobot.",
     _sample("unknown_operator"),
 )
 NOT_FINITE = _entry(
@@ -153,15 +157,17 @@ SIGNAL = _entry(
     "NET106",
     "signal that a network cannot use",
     "{problem}",
-    "Inputs are measured signals of the robot. An output is for a feedback whose values can be "
-    "subtracted: a configuration, a position, a heading, a length, a force or a torque.",
+    "Inputs are measured signals of the robot, or an image of a camera with its size. An output is "
+    "for a feedback whose values can be subtracted: a configuration, a position, a heading, a "
+    "length, a force or a torque.",
     _sample(of="[right_arm.place]"),
 )
 NUMBERS = _entry(
     "NET107",
     "normalisation of another size",
     "{problem}",
-    "A mean and a deviation have one number per component of their signals, in SI units.",
+    "A mean and a deviation have one number per component of their signals, in SI units, or per "
+    "channel of an image of floats.",
     _sample(more=", mean: [1, 2]"),
 )
 TIMING = _entry(

@@ -27,6 +27,9 @@ class InputPlan(NamedTuple):
         history: Number of observations, oldest first.
         shape: Shape of the tensor.
         dtype: Type of its numbers, as of numpy.
+        camera: Camera of an image; empty for signals.
+        size: Height and width of the image, px.
+        channels_first: True if its channels precede its height.
     """
 
     name: str
@@ -35,6 +38,9 @@ class InputPlan(NamedTuple):
     history: int
     shape: tuple[int, ...]
     dtype: str
+    camera: str = ""
+    size: tuple[int, int] = (0, 0)
+    channels_first: bool = True
 
 
 class OutputPlan(NamedTuple):

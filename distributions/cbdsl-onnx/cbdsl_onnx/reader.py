@@ -9,17 +9,20 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.extend.document import ModelSignal, Resource
 from cbdsl.extend.source import Reading, Signals
+from cbdsl_onnx.camera_images import CameraImages, pixels
 from cbdsl_onnx.inference import Inference
 from cbdsl_onnx.plan import InputPlan, NetworkPlan, Normalisation
 
 Numbers = NDArray[np.float64]
+Observed = NDArray[Any]
+"""Observation of one input: numbers, shape (m,), or pixels."""
 
 #: Share of a period within which times are equal.
 _ROUNDING = 1e-6
@@ -35,14 +38,23 @@ class _Chunk(NamedTuple):
 def reader(signal: ModelSignal, signals: Signals) -> Callable[[], Reading | None]:
     """Return the reader of a network's signal, called in every tick in which it is needed."""
     assert isinstance(signal.data, NetworkPlan)
-    return NetworkReader(signal.data, signals, Inference(signal.data))
+    cameras = [each.camera for each in signal.data.inputs if each.camera]
+    images = CameraImages(signal.model, cameras, signals)
+    return NetworkReader(signal.data, signals, Inference(signal.data), images)
 
 
 class NetworkReader:
     """Reader of a network's signal; see the module."""
 
-    def __init__(self, plan: NetworkPlan, signals: Signals, inference: Inference) -> None:
+    def __init__(
+        self,
+        plan: NetworkPlan,
+        signals: Signals,
+        inference: Inference,
+        images: CameraImages | None = None,
+    ) -> None:
         self._plan, self._signals, self._inference = plan, signals, inference
+        self._images = images
         for resource in (
             plan.output.feedback,
             *(r for each in plan.inputs for r in each.resources),
@@ -63,7 +75,7 @@ class NetworkReader:
         return self._reading
 
     def _begin(self) -> None:
-        self._history = [deque[Numbers](maxlen=each.history) for each in self._plan.inputs]
+        self._history = [deque[Observed](maxlen=each.history) for each in self._plan.inputs]
         self._next: float | None = None
         self._wait = 0
         self._due: float | None = None
@@ -98,14 +110,14 @@ class NetworkReader:
             self._next = now
         self._next += period
         self._wait = max(self._wait - 1, 0)
-        rows = [self._values(each.resources) for each in self._plan.inputs]
+        rows = [self._observed(each) for each in self._plan.inputs]
         if any(row is None for row in rows):
             for history in self._history:
                 history.clear()
             return
-        for history, row, each in zip(self._history, rows, self._plan.inputs, strict=True):
+        for history, row in zip(self._history, rows, strict=True):
             assert row is not None
-            history.append(_normalised(row, each.scale))
+            history.append(row)
         if self._wait == 0 and self._due is None and not self._inference.is_busy:
             feeds = zip(self._plan.inputs, self._history, strict=True)
             self._inference.request({each.name: _tensor(each, rows) for each, rows in feeds})
@@ -133,6 +145,14 @@ class NetworkReader:
         base = self._anchor[1]
         return None if base is None else base + action
 
+    def _observed(self, tensor: InputPlan) -> Observed | None:
+        """Return an observation of an input, ``None`` while it is undefined."""
+        if tensor.camera:
+            image = None if self._images is None else self._images.read(tensor.camera)
+            return None if image is None else pixels(image, tensor)
+        row = self._values(tensor.resources)
+        return None if row is None else _normalised(row, tensor.scale)
+
     def _values(self, resources: tuple[Resource, ...]) -> Numbers | None:
         """Return the components of signals in turn, ``None`` while one is undefined."""
         values = []
@@ -157,7 +177,7 @@ def _restored(rows: Numbers, scale: Normalisation) -> Numbers:
     return stretched + np.array(scale.mean) if scale.mean else stretched
 
 
-def _tensor(plan: InputPlan, rows: deque[Numbers]) -> NDArray[np.generic]:
+def _tensor(plan: InputPlan, rows: deque[Observed]) -> NDArray[np.generic]:
     """Return the observations as a tensor; the first one is repeated until there are enough."""
     padded = [rows[0]] * (plan.history - len(rows)) + list(rows)
     return np.concatenate(padded).reshape(plan.shape).astype(plan.dtype)

@@ -34,7 +34,9 @@ class Policy:
     def reset(self): self.count = 0
     def select_action(self, batch):
         self.count += 1
-        return batch["observation.state"] + numpy.array([[0.0, 0.02, 0.0]])
+        image = batch.get("observation.images.left", numpy.ones((1, 3, 9, 12), "f4"))
+        assert image.shape == (1, 3, 9, 12) and image.dtype == "f4"
+        return batch["observation.state"] + numpy.array([[0.0, 0.02 * image.max(), 0.0]])
 def get_policy_class(name): return Policy
 """
 CONFIGS = """
@@ -79,8 +81,15 @@ def policy(folder: Path, config: dict[str, Any] | None = CONFIG, **changes: Any)
 
 
 @pytest.mark.usefixtures("lerobot")
-def test_program_follows_a_policy_of_lerobot(tmp_path: Path) -> None:
-    policy(tmp_path)
+@pytest.mark.parametrize("sees", [False, True])
+def test_program_follows_a_policy_of_lerobot(sees: bool, tmp_path: Path) -> None:
+    if sees:
+        image = {"type": "VISUAL", "shape": [3, 9, 12]}
+        features = {**CONFIG["input_features"], "observation.images.left": image}
+        inputs = {**STATE, "observation.images.left": {"of": ["left.image"], "size": [9, 12]}}
+        policy(tmp_path, {**CONFIG, "input_features": features}, inputs=inputs)
+    else:
+        policy(tmp_path)
     (tmp_path / "follow.yaml").write_text(PROGRAM)
     loaded = cbdsl.load(tmp_path / "follow.yaml")
     feedback, places = loaded.program.primitives["policy"].lead.feedback, []
@@ -89,7 +98,7 @@ def test_program_follows_a_policy_of_lerobot(tmp_path: Path) -> None:
         if tick.run.state[0] == "X" and tick.run.state[1] != "X":
             places.append(tick.signals.read(feedback).value.copy())
 
-    cbdsl.run(loaded, backend="kinematic", on_tick=note)
+    cbdsl.run(loaded, backend="kinematic", cameras="rendered" if sees else None, on_tick=note)
     moved = places[-1] - places[0]
     assert moved[1] > 0.03 and np.abs(moved[[0, 2]]).max() < 0.01
 
@@ -105,9 +114,9 @@ def test_policy_without_its_environment_is_one_finding(
 FAULTS: dict[str, tuple[str, dict[str, Any] | None]] = {
     "no configuration": ("NET101", None),
     "no features": ("NET101", {"type": "shift"}),
-    "images": (
-        "NET103",
-        {**CONFIG, "input_features": {"observation.image": {"type": "VISUAL", "shape": [3, 9, 9]}}},
+    "image in place of a state": (
+        "NET105",
+        {**CONFIG, "input_features": {"observation.state": {"type": "VISUAL", "shape": [3, 9, 9]}}},
     ),
     "other size": (
         "NET105",

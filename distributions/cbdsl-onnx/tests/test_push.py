@@ -6,11 +6,13 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 pytest.importorskip("onnxruntime")
 from networks import linear
@@ -121,6 +123,51 @@ def test_network_that_a_guard_holds_comes_back_after_the_written_steps(tmp_path:
     result, last, _ = pushed(program, SEED)
     assert result.succeeded and -0.1 < last < 0.0, result.ending
     assert steps(result) == {"policy", "above", "behind", "again", "withdraw"}
+
+
+@pytest.mark.parametrize("step", ["above", "behind"])
+def test_written_step_that_cannot_arrive_withdraws_and_looks_again(
+    step: str, tmp_path: Path
+) -> None:
+    height = {"above": "20 cm", "behind": "3 cm"}[step]
+    program = copied(
+        tmp_path,
+        [
+            (f"-24 cm, {height}]", f"-90 cm, {height}]"),
+            ("episode_time: 60 s", "episode_time: 25 s"),
+        ],
+        linear(np.zeros((12, 6)), np.zeros(12)),
+    )
+    result, _, _ = pushed(program, SEED)
+    order = _steps(result)
+    begin = order.index(step)
+    assert order[begin : begin + 4] == [step, "withdraw", "verify", "above"], order
+    assert not result.succeeded and "25 s" in result.ending, result.ending
+
+
+def _steps(result: Any) -> list[str]:
+    """Return the steps of an episode in turn, by the last member below the guards."""
+    return [name for name, _ in groupby(map(_lead, result.actions))]
+
+
+def _lead(action: str) -> str:
+    guards = {"keep_out", "keep_in", "force"}
+    return next(word for word in reversed(action.split(" ◁ ")) if word not in guards)
+
+
+def test_steps_of_the_shipped_program_end_when_they_are_stuck_or_undefined() -> None:
+    """A step that ends only when its controller has arrived goes on while it is held."""
+    (file,) = SHIPPED.rglob("push_by_network.yaml")
+    document = yaml.safe_load(file.read_text("utf-8"))
+    for name, step in document["steps"].items():
+        exits = " or ".join(key for each in step.get("exits", ()) for key in each)
+        if "do" not in step:
+            continue
+        lead = _lead(step["do"])
+        assert f"{lead} at rest" in exits or f"{lead} stuck" in exits, name
+        reference = document["controllers"][lead]["reference"]
+        if "stereo" in str(reference) or ".net" in str(reference):
+            assert f"{lead} undefined" in exits, name
 
 
 @pytest.mark.slow

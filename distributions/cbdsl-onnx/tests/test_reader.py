@@ -162,17 +162,28 @@ def _inference(session: Slow) -> Inference:
     inference = Inference.__new__(Inference)
     inference._session, inference._output = session, "y"
     inference._thread, inference._request = ThreadPoolExecutor(1), None
+    inference._seconds = []
     return inference
 
 
-def test_inference_is_late_after_its_deadline_and_stops() -> None:
+def test_inference_of_a_robot_is_late_without_waiting_and_stops() -> None:
     inference = _inference(Slow(30.0))
     inference.request({})
     begun = time.monotonic()
-    assert inference.receive(0.05) is None
+    assert inference.receive(0) is None and inference.is_busy
     assert time.monotonic() - begun < 5.0
     inference._thread.shutdown()  # the request ended
     assert time.monotonic() - begun < 10.0
+
+
+def test_inference_after_an_interrupted_episode_takes_its_next_request() -> None:
+    inference = _inference(Slow(30.0))
+    inference.request({})
+    inference.forget()
+    assert not inference.is_busy
+    inference._session = Slow(0.0)
+    inference.request({})
+    assert inference.receive(5.0) is not None
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
@@ -182,21 +193,53 @@ def test_inference_without_finite_numbers_gives_none(value: float) -> None:
     assert inference.receive(5.0) is None
 
 
-def test_inference_of_a_starved_thread_is_in_time_and_of_a_slow_network_late() -> None:
-    starved = _inference(Slow(0.3))
+class Busy(Slow):
+    """Session whose outputs take processor time, s, one after another."""
+
+    def __init__(self, *durations: float) -> None:
+        super().__init__(0.0)
+        self.durations = list(durations)
+
+    def run(self, names: list[str], feeds: Any, options: Any) -> list[NDArray[np.float32]]:
+        begun, duration = time.thread_time(), self.durations.pop(0)
+        while time.thread_time() - begun < duration:
+            pass
+        return super().run(names, feeds, options)
+
+
+def test_inference_of_a_starved_thread_gives_its_output_in_a_simulation() -> None:
+    starved = _inference(Slow(1.5))
     starved.request({})
-    assert starved.receive(0.2) is not None
+    assert starved.receive(0.02) is not None
 
-    class Busy(Slow):
-        def run(self, names: list[str], feeds: Any, options: Any) -> list[NDArray[np.float32]]:
-            begun = time.thread_time()
-            while time.thread_time() - begun < self.duration:
-                pass
-            return super().run(names, feeds, options)
 
-    slow = _inference(Busy(0.03))
-    slow.request({})
-    assert slow.receive(0.02) is None
+def test_inference_that_stalls_once_gives_all_outputs_in_a_simulation() -> None:
+    inference = _inference(Busy(0.06, 0.0, 0.06, 0.06))
+    for _ in range(4):
+        inference.request({})
+        assert inference.receive(0.03) is not None
+
+
+def test_inference_of_a_network_that_is_always_late_is_an_error_in_a_simulation() -> None:
+    inference = _inference(Busy(0.03, 0.04, 0.05))
+    for is_last in (False, False, True):
+        inference.request({})
+        if is_last:
+            with pytest.raises(ValueError, match="deadline is 20 ms"):
+                inference.receive(0.02)
+        else:
+            assert inference.receive(0.02) is not None
+
+
+def test_inference_without_an_end_is_an_error_in_a_simulation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("cbdsl_onnx.inference._LONGEST", 0.1)
+    inference = _inference(Slow(30.0))
+    inference.request({})
+    with pytest.raises(ValueError, match=r"more than 0\.1 s"):
+        inference.receive(0.02)
+    inference._thread.shutdown()  # the request ended
 
 
 def test_inference_in_time_gives_its_output() -> None:
