@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,7 @@ def write_dataset(
     *,
     rate: int | None = None,
     task: str | None = None,
+    signals: Sequence[str] = (),
     videos: bool = False,
     overwrite: bool = False,
 ) -> tuple[int, int]:
@@ -55,12 +56,14 @@ def write_dataset(
         target: Folder of the dataset, which appears when it is complete.
         rate: Frames per second; that of the first recording's images without it.
         task: Sentence that names the task; the name of each program without it.
+        signals: Recorded signals that become ``observation.environment_state``, one after another.
         videos: True if images become MP4 videos, which are smaller and not exact.
         overwrite: True if a dataset that is there may be replaced.
 
     Raises:
-        UsageError: The folder is there, a recording differs from the first one in joints, cameras
-            or load cells, the rate is above that of control, or the images fit no video.
+        UsageError: The folder is there, a recording lacks a signal or differs from the first one in
+            joints, cameras or load cells, the rate is above that of control, or the images fit no
+            video.
         OSError: The folder cannot be written.
     """
     _require_free(target, overwrite=overwrite)
@@ -69,7 +72,7 @@ def write_dataset(
     # simultaneous exports.
     partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
     try:
-        with _Dataset(partial, rate, videos=videos) as dataset:
+        with _Dataset(partial, rate, signals, videos=videos) as dataset:
             for recorded in recordings:
                 dataset.add(recorded, task)
         if target.exists():
@@ -107,8 +110,11 @@ class _Dataset:
         episodes, frames: Numbers of both so far.
     """
 
-    def __init__(self, folder: Path, rate: int | None, *, videos: bool) -> None:
+    def __init__(
+        self, folder: Path, rate: int | None, signals: Sequence[str], *, videos: bool
+    ) -> None:
         self._folder, self._rate, self._videos = folder, rate, videos
+        self._signals = signals
         self._features: Json = {}
         self._first: Recorded | None = None
         self._tasks: dict[str, int] = {}
@@ -132,7 +138,7 @@ class _Dataset:
     def add(self, recorded: Recorded, task: str | None) -> None:
         """Add an episode as a row group of its own."""
         self._rate = self._rate or frame_rate(recorded)
-        frames = frames_of(recorded, self._rate, task)
+        frames = frames_of(recorded, self._rate, task, self._signals)
         # All row groups of a file share one schema, so that this check precedes any writing.
         self._require_like_first(recorded, _features(frames, self._rate if self._videos else None))
         task_index = self._tasks.setdefault(frames.task, len(self._tasks))
@@ -220,7 +226,7 @@ class _Dataset:
             "meta/episodes/chunk_index": 0,
             "meta/episodes/file_index": 0,
         }
-        kept = ("program", "stage", "context", "seed", "rewarded", "ending")
+        kept = ("program", "stage", "context", "seed", "rewarded", "succeeded", "ending")
         row |= {f"recording/{key}": result[key] for key in kept}
         for name, numbers in statistics.items():
             row |= {f"stats/{name}/{key}": value for key, value in numbers.items()}

@@ -57,16 +57,19 @@ def _rate(times: Array) -> float:
     return float(1 / np.median(np.diff(times))) if len(times) > 1 else 1.0
 
 
-def frames_of(recorded: Recorded, rate: int, task: str | None) -> Frames:
+def frames_of(
+    recorded: Recorded, rate: int, task: str | None, signals: Sequence[str] = ()
+) -> Frames:
     """Return the frames of an episode.
 
     Args:
         recorded: Episode.
         rate: Frames per second.
         task: Sentence that names the task; the name of the program without one.
+        signals: Recorded signals of the frames, by name.
 
     Raises:
-        UsageError: The rate is above that of control.
+        UsageError: The rate is above that of control, or the recording lacks a signal.
     """
     arrays, summary = recorded.arrays, recorded.summary
     control = _rate(arrays["time"])
@@ -96,10 +99,36 @@ def frames_of(recorded: Recorded, rate: int, task: str | None) -> Frames:
         names["observation.loads"] = [
             f"{c}.{axis}" for c in summary["load_cells"] for axis in _AXES
         ]
+    if signals:
+        key = "observation.environment_state"
+        numbers[key], names[key] = _signals(recorded, signals, ticks)
     shown = _newest(arrays["image_time"], times)
     images = {f"observation.images.{n}": each[shown] for n, each in recorded.images.items()}
     numbers |= _outcome(summary, times)
     return Frames(numbers, names, _program(summary, times), images, task or _task(summary))
+
+
+def _signals(
+    recorded: Recorded, signals: Sequence[str], ticks: NDArray[np.intp]
+) -> tuple[Array, list[str]]:
+    """Return recorded signals side by side, and the names of their components.
+
+    Raises:
+        UsageError: The recording has no such signal.
+    """
+    known = sorted(k.removeprefix("signal_") for k in recorded.arrays if k.startswith("signal_"))
+    for name in signals:
+        if name not in known:
+            raise UsageError(
+                f"--signals {name}: {recorded.file} has no such signal; it has {', '.join(known)}"
+            )
+    columns = [recorded.arrays[f"signal_{name}"][ticks].reshape(len(ticks), -1) for name in signals]
+    names = [
+        f"{name}.{place}"
+        for name, column in zip(signals, columns, strict=True)
+        for place in range(column.shape[1])
+    ]
+    return np.hstack(columns).astype(np.float32), names
 
 
 def _newest(times: Array, moments: Array) -> NDArray[np.intp]:
@@ -124,7 +153,8 @@ def _outcome(summary: Mapping[str, Any], times: Array) -> dict[str, Array]:
         # A transition at the time of a frame has been earned since the frame before.
         index = int(np.searchsorted(times + _ROUNDING, row["time"], side="left")) - 1
         reward[max(index, 0)] += row["reward"]
-    success = last & bool(summary["result"]["rewarded"])
+    result = summary["result"]
+    success = last & bool(result["rewarded"] or result["succeeded"])
     return {"next.reward": reward, "next.done": last, "next.success": success}
 
 

@@ -23,6 +23,14 @@ Videos = Annotated[
     bool,
     typer.Option("--videos", help="Store images as MP4 videos, which are smaller and lossy [PNG]."),
 ]
+Signals = Annotated[
+    str | None,
+    typer.Option(
+        "--signals",
+        help="Recorded signals for observation.environment_state, such as "
+        "right_arm.position,stereo.red; NaN while undefined [none].",
+    ),
+]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing dataset.")]
 
 
@@ -32,6 +40,7 @@ def write(
     *,
     fps: Fps = None,
     task: Task = None,
+    signals: Signals = None,
     videos: Videos = False,
     overwrite: Overwrite = False,
 ) -> str:
@@ -43,7 +52,13 @@ def write(
     from cbdsl_lerobot.dataset import write_dataset
 
     episodes, frames = write_dataset(
-        recordings, target, rate=fps, task=task, videos=videos, overwrite=overwrite
+        recordings,
+        target,
+        rate=fps,
+        task=task,
+        signals=tuple(signals.split(",")) if signals else (),
+        videos=videos,
+        overwrite=overwrite,
     )
     return f"{frames} frames of {episodes} episode{'s' if episodes > 1 else ''}"
 

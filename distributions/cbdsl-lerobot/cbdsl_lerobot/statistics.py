@@ -57,14 +57,15 @@ def _histogram(images: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 def _of_numbers(values: Floats) -> Row:
+    """Return statistics of the defined values: signals are NaN while they are undefined."""
     row: Row = {
-        "min": values.min(axis=0).tolist(),
-        "max": values.max(axis=0).tolist(),
-        "mean": values.mean(axis=0).tolist(),
-        "std": values.std(axis=0).tolist(),
+        "min": np.nanmin(values, axis=0).tolist(),
+        "max": np.nanmax(values, axis=0).tolist(),
+        "mean": np.nanmean(values, axis=0).tolist(),
+        "std": np.nanstd(values, axis=0).tolist(),
     }
     for name, share in _QUANTILES.items():
-        row[name] = np.quantile(values, share, axis=0).tolist()
+        row[name] = np.nanquantile(values, share, axis=0).tolist()
     return row
 
 
