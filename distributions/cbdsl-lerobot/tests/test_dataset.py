@@ -267,3 +267,28 @@ def test_export_command_writes_all_recordings_of_a_folder(
     assert cb(monkeypatch, *words, "--overwrite", "--fps", "999") == 2
     assert "60 ticks per second" in capsys.readouterr().err
     assert info_of(out)["fps"] == RATE, "what was there stays"
+
+
+def test_signals_are_the_state_of_the_environment(recorded: Recorded, tmp_path: Path) -> None:
+    names = sorted(k.removeprefix("signal_") for k in recorded.arrays if k.startswith("signal_"))
+    values = {name: recorded.arrays[f"signal_{name}"] for name in names}
+    undefined = dict(recorded.arrays)
+    undefined[f"signal_{names[0]}"] = np.full_like(values[names[0]], np.nan)
+    undefined[f"signal_{names[0]}"][-1] = 1.0
+    recordings = [recorded, replace(recorded, arrays=undefined)]
+    write_dataset(recordings, tmp_path / "data", rate=RATE, signals=names)
+    feature = info_of(tmp_path / "data")["features"]["observation.environment_state"]
+    assert feature["shape"] == [sum(each[0].size for each in values.values())]
+    times = recorded.arrays["time"]
+    for row in rows_of(tmp_path / "data"):
+        tick = np.searchsorted(times, row["timestamp"] + 1e-6, side="right") - 1
+        expected = np.concatenate([each[tick].ravel() for each in values.values()])
+        np.testing.assert_allclose(row["observation.environment_state"], expected, rtol=1e-6)
+    statistics = json.loads((tmp_path / "data/meta/stats.json").read_text())
+    state = statistics["observation.environment_state"]
+    assert np.isfinite([state["mean"], state["std"], state["q50"]]).all()
+
+
+def test_signal_that_was_not_recorded_is_refused(recorded: Recorded, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"--signals stereo\.blue: .* has no such signal"):
+        write_dataset([recorded], tmp_path / "data", rate=RATE, signals=["stereo.blue"])

@@ -305,6 +305,10 @@ class _Check:
 
     def _feedback(self) -> Outcome[Resource]:
         text = self._document.output.of
+        if text in self._images:
+            problem = f"'{text}' is an image; an output fits {', '.join(SUBTRACTED)}"
+            self._add(network.SIGNAL, "output", "of", problem=problem)
+            return UNKNOWN
         feedback = self._signal(text, "output", "of")
         if isinstance(feedback, Unknown):
             return UNKNOWN

@@ -8,6 +8,7 @@ gives the shapes of the outputs.
 from __future__ import annotations
 
 import math
+import re
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -25,6 +26,10 @@ TYPES = {
     "tensor(uint8)": "uint8",
 }
 
+#: Words of onnxruntime about an opset that it does not know.
+_NEWER_OPSET = re.compile(r"Opset (\d+) is under development.*till opset (\d+)")
+#: First bytes of pickles, and of the archives in which torch stores them.
+_PICKLES = (b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05", b"PK\x03\x04")
 #: Time after which a dry run is stopped, s.
 _DRY_RUN = 10.0
 #: Most numbers of an input.
@@ -134,6 +139,8 @@ def _reason(error: Exception) -> str:
     """Return the reason of an error of onnxruntime without its number and its file."""
     lines = [line for line in str(error).splitlines() if line.strip()]
     text = lines[0] if lines else type(error).__name__
+    if newer := _NEWER_OPSET.search(text):
+        return f"its opset {newer[1]} is newer than {newer[2]}, the newest of this onnxruntime"
     return text.rsplit(" : ", 1)[-1].strip()[:300]
 
 
@@ -148,6 +155,9 @@ def _require_whole(data: bytes) -> None:
     Raises:
         ModelFileError: It is not a model, it refers to another file, or a weight is not finite.
     """
+    if data.startswith(_PICKLES):
+        reason = "it is a pickle or an archive, which may hold code; export it in the ONNX format"
+        raise ModelFileError("format", reason)
     try:
         for tensor in _tensors(memoryview(data)):
             _require_sound(tensor)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -89,6 +90,7 @@ FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {
         MODEL,
         {"output": {**OUTPUT, "of": "right_arm.orientation"}},
     ),
+    "image as a feedback": ("NET106", MODEL, {"output": {**OUTPUT, "of": "left.image"}}),
     "drawn signal": ("NET106", MODEL, {"inputs": {"x": {"of": ["head.uniform"]}}}),
     "deviation of another size": ("NET107", MODEL, {"output": {**OUTPUT, "deviation": [1.0]}}),
     "more executed than given": ("NET108", MODEL, {"output": {**OUTPUT, "execute": 2}}),
@@ -113,6 +115,23 @@ def test_check_of_a_huge_model_reads_none_of_it(tmp_path: Path) -> None:
     os.truncate(tmp_path / "huge.onnx", 2_000_000_000)
     (finding,) = cbdsl.check(path)
     assert finding.code == "NET101" and "500000000" in finding.message
+
+
+REASONS = {
+    "pickle": (pickle.dumps({"weights": [1.0]}), "it is a pickle"),
+    "pickle of protocol 2": (pickle.dumps({"weights": [1.0]}, protocol=2), "it is a pickle"),
+    "archive of torch": (b"PK\x03\x04archive/data.pkl", "it is a pickle"),
+    "opset of the future": (examples.scaled(1, 1, 1, opset=99), "its opset 99 is newer than"),
+    "no bytes": (b"", "it has no graph"),
+}
+
+
+@pytest.mark.parametrize(("model", "reason"), REASONS.values(), ids=REASONS)
+def test_check_of_a_file_that_is_no_usable_model_says_what_it_is(
+    model: bytes, reason: str, tmp_path: Path
+) -> None:
+    (finding,) = cbdsl.check(write(tmp_path, "bad", model))
+    assert reason in finding.message
 
 
 @pytest.mark.parametrize("size", [9_000, 10**6])
