@@ -47,7 +47,8 @@ def shortened(recorded: Recorded, ticks: int) -> Recorded:
     summary = json.loads(json.dumps(recorded.summary))
     summary["transitions"] = [row for row in summary["transitions"] if row["time"] <= end]
     summary["predicates"] = summary["predicates"][:ticks]
-    summary["result"] |= {"rewarded": False, "seed": 99, "program": "reachtouch"}
+    ended = {"rewarded": False, "succeeded": False, "seed": 99, "program": "reachtouch"}
+    summary["result"] |= ended
     return replace(recorded, summary=summary, arrays=arrays)
 
 
