@@ -31,18 +31,18 @@ def of_whole_numbers() -> bytes:
     info = wire.message((1, wire.message((1, 7), (2, wire.message((1, wire.message((1, 3))))))))
     weights = wire.tensor("scale", (3,), np.ones(3, "<f4").tobytes())
     ends = [wire.message((1, "x"), (2, info))], [wire.value_info("y", (3,))]
-    return wire.model([wire.node("Identity", ("scale",), "y")], [weights], *ends)
+    return wire.model([wire.node("Identity", ("scale",), "y")], [weights], ends[0], ends[1])
 
 
 def of_two_sizes() -> bytes:
     weights = wire.tensor("scale", (4,), np.ones(4, "<f4").tobytes())
     ends = [[wire.value_info(name, (1, 3))] for name in "xy"]
-    return wire.model([wire.node("Mul", ("x", "scale"), "y")], [weights], *ends)
+    return wire.model([wire.node("Mul", ("x", "scale"), "y")], [weights], ends[0], ends[1])
 
 
 def of_shape(*shape: int) -> bytes:
     ends = [[wire.value_info(name, shape)] for name in "xy"]
-    return wire.model([wire.node("Identity", ("x",), "y")], [], *ends)
+    return wire.model([wire.node("Identity", ("x",), "y")], [], ends[0], ends[1])
 
 
 _PLACE = wire.message((1, "location"), (2, "../../secret.bin"))
@@ -53,7 +53,7 @@ def of_outside_indices() -> bytes:
     attribute = wire.message((1, "sparse_value"), (22, wire.message((2, _OUTSIDE))))
     node = wire.node("Identity", ("x",), "y") + wire.message((5, attribute))
     ends = [[wire.value_info(name, (1, 3))] for name in "xy"]
-    return wire.model([node], [], *ends)
+    return wire.model([node], [], ends[0], ends[1])
 
 
 def of_outside_default() -> bytes:
@@ -67,7 +67,7 @@ def of_product(size: int) -> bytes:
     steps = (("ConstantOfShape", ("s",), "h"), ("MatMul", ("h", "h"), "g"),
              ("ReduceMax", ("g",), "m"), ("Add", ("x", "m"), "y"))  # fmt: skip
     ends = [[wire.value_info(name, (1, 3))] for name in "xy"]
-    return wire.model([wire.node(*each) for each in steps], [sizes], *ends)
+    return wire.model([wire.node(*each) for each in steps], [sizes], ends[0], ends[1])
 
 
 FAULTS: dict[str, tuple[str, bytes, dict[str, Any]]] = {

@@ -19,7 +19,7 @@ from cbdsl_onnx.lerobot_policy import PYTHON, PolicySession
 OUTPUT = {"name": "action", "of": "right_arm.position", "gives": "target"}
 STATE = {"observation.state": {"of": ["right_arm.position"]}}
 #: Features as LeRobot writes them.
-CONFIG = {
+CONFIG: dict[str, Any] = {
     "type": "shift",
     "input_features": {"observation.state": {"type": "STATE", "shape": [3]}},
     "output_features": {"action": {"type": "ACTION", "shape": [3]}},
