@@ -30,7 +30,7 @@ from cbdsl.numeric.vector import add, copy, dot, norm
 # Violation of a bound, and of the least distance, that is rounding, m.
 _ROUNDING, _EXACT = 1e-7, 1e-6
 # Compositions in a tick, sweeps of a projection, and halvings of a step before it is left out.
-_PASSES, _SWEEPS, _HALVES = 3, 40, 5
+_PASSES, _SWEEPS, _HALVES = 3, 60, 5
 
 
 @compiled
@@ -125,20 +125,25 @@ def _project(slopes: Floats, allowed: Floats, held: Booleans, displacement: Floa
             that push the displacement.
         displacement: Displacement of the joints, shape (n,).
     """
-    pressures, is_moved = np.zeros(len(slopes)), False
+    pressures, squares, is_moved = np.zeros(len(slopes)), np.empty(len(slopes)), False
+    for k in range(len(slopes)):
+        squares[k] = dot(slopes[k], slopes[k]) + 1e-12
+    are_all = True
     for _ in range(_SWEEPS):
         most = 0.0
         for k in range(len(slopes)):
-            lack = allowed[k] - dot(slopes[k], displacement)
-            square = dot(slopes[k], slopes[k]) + 1e-12
-            push = max(lack / square, -pressures[k])
-            if not held[k] and (lack > _ROUNDING or push < 0.0):
-                pressures[k] += push
-                add(displacement, slopes[k], push)
-                most = max(most, abs(push) * square)
+            # Between two sweeps of all bounds, only those that push are corrected.
+            if not held[k] and (are_all or pressures[k] > 0.0):
+                lack = allowed[k] - dot(slopes[k], displacement)
+                push = max(lack / squares[k], -pressures[k])
+                if lack > _ROUNDING or push < 0.0:
+                    pressures[k] += push
+                    add(displacement, slopes[k], push)
+                    most = max(most, abs(push) * squares[k])
         is_moved |= most > 0.0
-        if most <= _ROUNDING:
+        if most <= _ROUNDING and are_all:
             break
+        are_all = most <= _ROUNDING
     for k in range(len(held)):
         held[k] |= pressures[k] > 0.0
     return is_moved

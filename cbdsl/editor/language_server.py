@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import count
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO
 
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
@@ -35,37 +35,25 @@ from cbdsl.yaml_text.reader import formatted_text
 _SECTIONS = ("controllers", "use", "conditions")
 
 
-class Definition(NamedTuple):
-    """Line of a file.
-
-    Attributes:
-        file: Path of the file.
-        line: Line, from 0.
-    """
-
-    file: Path
-    line: int
-
-
-def definition(buffers: Buffers, path: Path, cursor: Cursor) -> Definition | None:
-    """Return the place that defines a controller, program, parameter, role or document."""
+def definition(buffers: Buffers, path: Path, cursor: Cursor) -> tuple[Path, int] | None:
+    """Return the file and the line, from 0, of a controller, program, parameter or document."""
     lines = lines_of(buffers.text(path))
     if cursor.word.startswith("$"):
         declared = section(lines, "roles") | section(lines, "parameters")
         line = declared.get(cursor.word[1:])
-        return None if line is None else Definition(path, line)
+        return None if line is None else (path, line)
     file = document_named(buffers, path, cursor.key, cursor.word)
     if file is not None and not cursor.on_key:
-        return Definition(file, 0)
+        return file, 0
     named = named_at(buffers, path, lines, cursor)
     if named is not None:
-        return Definition(named.file, named.line)
+        return named.file, named.line
     for name in _SECTIONS:
         line = section(lines, name).get(cursor.word)
         if line is not None:
-            return Definition(path, line)
+            return path, line
     shared = shared_file(buffers, path, lines, cursor.word)
-    return None if shared is None else Definition(shared, 0)
+    return None if shared is None else (shared, 0)
 
 
 class Addresses:
@@ -238,8 +226,8 @@ class Server(LanguageServer):
         place = definition(self.buffers, path, self.cursor(path, position))
         if place is None:
             return None
-        file = place.file.absolute()
-        return lsp.Location(self._addresses.uri(file), self.positions(file).range(place.line, 0, 0))
+        file = place[0].absolute()
+        return lsp.Location(self._addresses.uri(file), self.positions(file).range(place[1], 0, 0))
 
     def fixes(self, path: Path, wanted: lsp.Range) -> list[lsp.CodeAction]:
         """Return the corrections of the diagnostics that a range touches."""

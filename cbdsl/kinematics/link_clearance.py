@@ -104,6 +104,7 @@ class LinkClearance:
         ]
         pairs: NDArray[Any] = np.zeros(len(chosen), PAIR)
         pairs["first"], pairs["second"] = np.array(chosen, np.int64).reshape(-1, 2).T
+        pairs["simplex"] = -1
         self.arrays = DistanceArrays(
             records, offsets, offsets.copy(), np.zeros((len(records), 3)),
             np.zeros((len(records), 9)), pairs, *tree.chain,

@@ -8,40 +8,28 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl.kinematics.closest_points import closest_points
-from cbdsl.kinematics.forward import place_joints, place_point, twist_of
+from cbdsl.kinematics.forward import place_joints, twist_of
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.handle import Handle
-from cbdsl.numeric.vector import copy, dot, fill
+from cbdsl.numeric.vector import dot, fill
 
 #: Convex shape of a link: its first point and the one after its last, the frame that carries it,
 #: its radius, and a ball around all of it: centre in that frame, and radius.
-SHAPE = np.dtype(
-    [
-        ("span", np.int64, 2),
-        ("frame", np.int64),
-        ("radius", np.float64),
-        ("centre", np.float64, 3),
-        ("reach", np.float64),
-    ]
-)
+SHAPE = np.dtype([
+    ("span", np.int64, 2), ("frame", np.int64), ("radius", np.float64),
+    ("centre", np.float64, 3), ("reach", np.float64),
+])  # fmt: skip
 
 #: Pair of shapes: their numbers; whether they are so near that the distance is exact, otherwise it
 #: is a lower bound, from the last one and the motion since; the distance, m, and that before the
-#: tick; the direction from the second to the first; the closest point of either; and whether the
-#: pair holds the motion back.
-PAIR = np.dtype(
-    [
-        ("first", np.int64),
-        ("second", np.int64),
-        ("near", np.bool_),
-        ("distance", np.float64),
-        ("before", np.float64),
-        ("normal", np.float64, 3),
-        ("ends", np.float64, (2, 3)),
-        ("held", np.bool_),
-    ]
-)
+#: tick; the direction from the second to the first; the closest point of either, and the points
+#: that carry them (see ``closest_points``); and whether the pair holds the motion back.
+PAIR = np.dtype([
+    ("first", np.int64), ("second", np.int64), ("near", np.bool_), ("distance", np.float64),
+    ("before", np.float64), ("normal", np.float64, 3), ("ends", np.float64, (2, 3)),
+    ("simplex", np.int64, (4, 2)), ("held", np.bool_),
+])  # fmt: skip
 
 
 class DistanceArrays(NamedTuple):
@@ -103,16 +91,17 @@ def measure(arrays: DistanceArrays, positions: Floats) -> None:
         moved[number] = _move(number, arrays)
     for number in range(len(pairs)):
         pair = pairs[number]
+        was_near, pair.near = pair.near, False
         pair.distance -= moved[pair.first] + moved[pair.second]
-        pair.near = pair.distance <= far
-        if pair.near:
+        if pair.distance <= far:
             for shape in (pair.first, pair.second):
                 if not placed[shape]:
                     placed[shape] = True
                     _place(shapes[shape], arrays)
             # Most pairs are still apart in the direction in which they were.
-            pair.distance = _gap(pair, arrays)
-            if pair.distance <= far:
+            if not was_near:
+                pair.distance = _gap(pair, arrays)
+            if was_near or pair.distance <= far:
                 _separate(pair, arrays)
             pair.near = pair.distance <= far
 
@@ -120,16 +109,17 @@ def measure(arrays: DistanceArrays, positions: Floats) -> None:
 @compiled
 def _move(number: int, arrays: DistanceArrays) -> float:
     """Move a shape to its new frame; return a bound on the way of all its points, m."""
-    shape, before, turn = arrays.shapes[number], np.empty(3), 0.0
-    frame, centre = arrays.frames[shape.frame], arrays.centres[number]
-    copy(before, centre, 1.0)
-    place_point(frame, shape.centre, centre)
+    shape, turn, way = arrays.shapes[number], 0.0, 0.0
+    frame, centres, turns, at = arrays.frames, arrays.centres, arrays.turns, shape.frame
     for i in range(9):
-        turn += (frame[i] - arrays.turns[number, i]) ** 2
-        arrays.turns[number, i] = frame[i]
-    way = 0.0
+        turn += (frame[at, i] - turns[number, i]) ** 2
+        turns[number, i] = frame[at, i]
     for axis in range(3):
-        way += (centre[axis] - before[axis]) ** 2
+        before, centre = centres[number, axis], frame[at, 9 + axis]
+        for k in range(3):
+            centre += frame[at, 3 * axis + k] * shape.centre[k]
+        way += (centre - before) ** 2
+        centres[number, axis] = centre
     # The norm of the turn's matrix is at most the root of the sum of its squares.
     bound: float = math.sqrt(way) + shape.reach * math.sqrt(turn)
     return bound
@@ -138,9 +128,12 @@ def _move(number: int, arrays: DistanceArrays) -> float:
 @compiled
 def _place(shape: Any, arrays: DistanceArrays) -> None:
     """Write the points of a shape in the world."""
-    frame = arrays.frames[shape.frame]
-    for point in range(shape.span[0], shape.span[1]):
-        place_point(frame, arrays.offsets[point], arrays.points[point])
+    frame, offsets, points, at = arrays.frames, arrays.offsets, arrays.points, shape.frame
+    for axis in range(3):
+        x, y, z = frame[at, 3 * axis], frame[at, 3 * axis + 1], frame[at, 3 * axis + 2]
+        origin = frame[at, 9 + axis]
+        for i in range(shape.span[0], shape.span[1]):
+            points[i, axis] = origin + x * offsets[i, 0] + y * offsets[i, 1] + z * offsets[i, 2]
 
 
 @compiled
@@ -161,7 +154,7 @@ def _gap(pair: Any, arrays: DistanceArrays) -> float:
 def _separate(pair: Any, arrays: DistanceArrays) -> None:
     """Write the distance, direction and closest points of a pair."""
     first, second = arrays.shapes[pair.first], arrays.shapes[pair.second]
-    inner = closest_points(arrays.points, first.span, second.span, pair.ends)
+    inner = closest_points(arrays.points, first.span, second.span, pair.simplex, pair.ends)
     pair.distance = inner - first.radius - second.radius
     length = 0.0
     for axis in range(3):
@@ -193,14 +186,12 @@ def write_slope(arrays: DistanceArrays, number: int, row: Floats) -> None:
         row: Output: shape (n,).
     """
     pair, twist = arrays.pairs[number], np.empty(6)
+    one, other = arrays.shapes[pair.first].frame, arrays.shapes[pair.second].frame
     fill(row, 0.0)
-    for end in range(2):
-        shape, sign = (pair.first, 1.0) if end == 0 else (pair.second, -1.0)
-        frame = arrays.shapes[shape].frame
-        while frame > 0:
-            joint = arrays.joints[frame - 1]
-            if joint.ratio != 0.0:
-                point = pair.ends[end]
-                twist_of(point, frame - 1, arrays.joints, arrays.frames, arrays.axes, twist)
-                row[joint.column] += sign * dot(pair.normal, twist[:3])
-            frame = joint.parent
+    # Parents have smaller numbers. Joints that carry both shapes leave their distance as it is.
+    while one != other:
+        end, frame = (0, one) if one > other else (1, other)
+        joint = arrays.joints[frame - 1]
+        twist_of(pair.ends[end], frame - 1, arrays.joints, arrays.frames, arrays.axes, twist)
+        row[joint.column] += (1.0 - 2.0 * end) * dot(pair.normal, twist[:3])
+        one, other = (joint.parent, other) if end == 0 else (one, joint.parent)

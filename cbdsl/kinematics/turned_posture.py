@@ -18,7 +18,6 @@ import numpy as np
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.coordinate_ascent import ascend
 from cbdsl.kinematics.kinematics import Frame, Kinematics
-from cbdsl.kinematics.start_posture import start_positions
 from cbdsl.numeric.arrays import Floats
 
 # Candidates of a joint, and the parts of its range at both ends that are left out.
@@ -134,3 +133,30 @@ class TurnedPosture:
                 half = _INNER * math.atan2(size / 2, camera.focal_length)
                 total += max(0.0, abs(math.atan2(side, x)) - half) ** 2
         return total
+
+
+def start_positions(robot: RobotDocument, kinematics: Kinematics) -> Floats:
+    """Return the positions of all joints at the start of an episode, rad or m, shape (n,).
+
+    Args:
+        robot: Robot document.
+        kinematics: Kinematics of the same robot.
+    """
+    positions = np.minimum(np.maximum(0.0, kinematics.lower), kinematics.upper)
+    for name, posture in robot.start_postures.items():
+        positions[kinematics.joints.of(name)] = posture
+    return positions
+
+
+def start_place(robot: RobotDocument, kinematics: Kinematics, effector: str) -> Floats:
+    """Return the place of an effector's tip at the start of an episode, m, world frame, (3,).
+
+    Args:
+        robot: Robot document.
+        kinematics: Kinematics of the same robot.
+        effector: Name of an effector with a tip.
+    """
+    tip = robot.effectors[effector].tip
+    assert tip is not None
+    start = start_positions(robot, kinematics)
+    return kinematics.posed(start, lambda: kinematics.point(tip.link, tip.offset).position)

@@ -49,8 +49,8 @@ def test_definition_of_a_shared_name_is_in_its_document(
     here: Path, mark: str, file: str, start: str
 ) -> None:
     found = definition(*at(here, SET_ON, mark))
-    assert found is not None and found.file.stem == file
-    assert found.file.read_text("utf-8").splitlines()[found.line].strip().startswith(start)
+    assert found is not None and found[0].stem == file
+    assert found[0].read_text("utf-8").splitlines()[found[1]].strip().startswith(start)
 
 
 def test_hover_over_a_call_shows_the_shared_declaration(here: Path) -> None:

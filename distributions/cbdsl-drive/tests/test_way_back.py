@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.kinematics.start_posture import start_positions
+from cbdsl.kinematics.turned_posture import start_positions
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl_drive.joint_limits import joint_limits
 from cbdsl_drive.way_back import WayBack

@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.kinematics.start_posture import start_place
+from cbdsl.kinematics.turned_posture import start_place
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.table.reading import Reading
