@@ -14,14 +14,15 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource import LinkDistance
 
-# Distance beyond that of the last posture within which pairs are measured exactly, m.
-_SLACK = 0.02
+# Differences of distances at which the longer one weighs less by a factor of e, and nothing, m.
+_BLEND, _BEYOND = 0.005, 0.025
 
 
 class NearestLinks:
     """Least distance between the links that an effector moves and other bodies.
 
-    Pairs are left out as for a clearance.
+    Pairs are left out as for a clearance. Pairs that are about as near as the nearest one share in
+    the slope, since a level would otherwise push to and fro between them.
 
     Attributes:
         pair: Names of the links that were nearest at the last measurement.
@@ -65,19 +66,22 @@ class NearestLinks:
         self._links.place(self._other, centre, radius)
 
     def measure(self, positions: Floats) -> Floats:
-        """Measure the distance in a posture; return its change per actuated joint, shape (n,).
+        """Measure the distance in a posture; return the mean slope of near pairs, shape (n,).
 
         Args:
             positions: Positions of the actuated joints, rad or m, shape (n,).
         """
-        arrays = self._links.arrays
+        arrays, near = self._links.arrays, self._links.arrays.pairs["near"]
+        distances, bounds = arrays.pairs["distance"], arrays.bounds
         self._links.measure(positions)
         # Objects may be far away. An infinite bound ends the search: no posture is finite then.
-        while not arrays.pairs["near"].any() and math.isfinite(arrays.bounds[1]):
-            arrays.bounds[1], arrays.at[:] = 2.0 * arrays.bounds[1], math.nan
+        while math.isfinite(bounds[1]) and not (near & (distances + _BEYOND <= bounds[1])).any():
+            bounds[1], arrays.at[:] = 2.0 * bounds[1], math.nan
             self._links.measure(positions)
-        number = int(np.argmin(np.where(arrays.pairs["near"], arrays.pairs["distance"], np.inf)))
-        self.distance = max(float(arrays.pairs["distance"][number]), 0.0)
-        self.pair = " and ".join(self._links.names[number])
-        arrays.bounds[1] = self.distance + _SLACK
-        return self._links.slope(number)
+        least = float(np.min(distances, where=near, initial=math.inf))
+        weights = np.exp((least - distances) / _BLEND) * (near & (distances <= least + _BEYOND))
+        self.distance, bounds[1] = max(least, 0.0), max(least, 0.0) + 2.0 * _BEYOND
+        self.pair = " and ".join(self._links.names[int(np.argmax(weights))])
+        weights /= weights.sum()
+        slopes = (weights[k] * self._links.slope(k) for k in np.flatnonzero(weights).tolist())
+        return sum(slopes, np.zeros(len(positions)))
