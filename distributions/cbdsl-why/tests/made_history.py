@@ -115,7 +115,7 @@ def made(result: dict[str, Any] | None = None, **changes: Any) -> History:
         "flags": flags("stuck", 0, slice(0, 0)),
         "sight": np.full((TICKS, 1), SIGHT.index("seen")),
         "loads": np.zeros((TICKS, 2, 6)),
-        "level_priority": (ones * [0, -1, 1]).astype(int),
+        "level_priority": (ones * [0, -1, *[1] * (len(CONTROLLERS) - 2)]).astype(int),
         "level_share": ones,
         "level_rank": 3 * ones.astype(int),
         "level_singular_value": ones,
