@@ -122,14 +122,16 @@ def _touched(force: float, moved: float) -> History:
     loads[30:60, 0, 2] = force
     places = np.tile([0.9, 0.04, 0.0], (TICKS, 1))
     places[50:, 1] += moved
-    return made(loads=loads, signal_stereo__red=places)
+    history: History = made(loads=loads, signal_stereo__red=places)
+    return history
 
 
 def test_object_that_moves_after_a_touch_was_moved_by_it() -> None:
     cause = _first(_touched(0.5, 0.1))
     assert (cause.kind, cause.tick) == ("moved_by_touch", 30)
     assert "10.0 cm" in cause.sentence
-    assert _kinds(_touched(0.5, 0.01)) == _kinds(_touched(0.0, 0.1)) == []
+    for history in (_touched(0.5, 0.01), _touched(0.0, 0.1)):
+        assert "moved_by_touch" not in _kinds(history)
 
 
 @pytest.mark.parametrize(("force", "count"), [(2.0, 1), (0.5, 0)], ids=["presses", "brushes"])
