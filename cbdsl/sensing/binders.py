@@ -127,7 +127,9 @@ class Binders:
         return bind
 
     def _declared(self, reader_of: Callable[[Any], Reader]) -> Binder:
-        return lambda one, chains: self._rows.bind_read(one.type.size, reader_of(one))
+        return lambda one, chains: self._rows.bind_read(
+            _size_of(one), reader_of(one), Form(WRITTEN, _size_of(one), one.type.size)
+        )
 
     def _heading(self, shift: int = 0) -> Callable[[int], Form]:
         return lambda size: Form(HEADING, size, size, self._sight.camera_parts(shift))

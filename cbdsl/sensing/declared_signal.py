@@ -14,16 +14,17 @@ from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import ModelSignal, SensorSignal
+from cbdsl.types.resource_type import ORIENTATION, ResourceType
 
 
 def declared_reader(
-    signal: SensorSignal | ModelSignal, size: int, joints: int, signals: Any
+    signal: SensorSignal | ModelSignal, kind: ResourceType, joints: int, signals: Any
 ) -> Callable[[], Reading | None]:
     """Return the reader of a sensor or model from another package, whose errors name the package.
 
     Args:
         signal: Signal of the sensor or model.
-        size: Number of components of the value.
+        kind: Type of the value.
         joints: Number of columns of the Jacobian, if there is one.
         signals: Signals of the robot.
 
@@ -46,7 +47,7 @@ def declared_reader(
     def read() -> Reading | None:
         try:
             reading = reader()
-            _require_shape(reading, size, joints)
+            _require_shape(reading, (3, 3) if kind == ORIENTATION else (kind.size,), joints)
         except Exception as error:
             raise failed(f"{type(error).__name__}: {error}") from error
         if reading is not None and not np.isfinite(reading.value).all():
@@ -56,7 +57,7 @@ def declared_reader(
     return read
 
 
-def _require_shape(reading: Reading | None, size: int, joints: int) -> None:
+def _require_shape(reading: Reading | None, shape: tuple[int, ...], joints: int) -> None:
     """Raise an error for a reading of another package that does not fit its row.
 
     Raises:
@@ -64,8 +65,8 @@ def _require_shape(reading: Reading | None, size: int, joints: int) -> None:
     """
     if reading is None:
         return
-    if reading.value.shape != (size,):
-        raise ValueError(f"its value has shape {reading.value.shape}, not {(size,)}")
-    if reading.jacobian is not None and reading.jacobian.shape != (size, joints):
-        shape = reading.jacobian.shape
-        raise ValueError(f"its Jacobian has shape {shape}, not {(size, joints)}")
+    if reading.value.shape != shape:
+        raise ValueError(f"its value has shape {reading.value.shape}, not {shape}")
+    if reading.jacobian is not None and reading.jacobian.shape != (shape[0], joints):
+        size = reading.jacobian.shape
+        raise ValueError(f"its Jacobian has shape {size}, not {(shape[0], joints)}")

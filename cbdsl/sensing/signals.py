@@ -96,7 +96,7 @@ class Signals:
             self.sensors,
             predicted,
             self.distances,
-            lambda each: declared_reader(each.source, each.type.size, len(self.joints), self),
+            lambda each: declared_reader(each.source, each.type, len(self.joints), self),
         )
         self.follow(resources)
         self.reset()

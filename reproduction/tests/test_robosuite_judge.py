@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from cbdsl_reproduction.judges.judge import BodyChoice
 from cbdsl_reproduction.judges.robosuite import JUDGE
 from cbdsl_reproduction.worlds import robosuite_process
 from cbdsl_reproduction.worlds.camera_pair import looking_at
+from cbdsl_reproduction.worlds.edge_sensor import EDGES
 from cbdsl_reproduction.worlds.robosuite_backend import RobosuiteBackend, stroke_share
 from cbdsl_reproduction.worlds.robosuite_process import robosuite_python
 from cbdsl_reproduction.worlds.robosuite_task import ARMS, TASKS
@@ -88,11 +90,27 @@ def test_stroke_share_inverts_linear_interpolation(share: float, way: list[float
 
 
 @pytest.mark.parametrize("file", PROGRAMS, ids=lambda file: file.stem)
-def test_program_of_task_names_no_robot_and_fits_a_shipped_arm(file: Path) -> None:
+def test_program_of_task_names_no_robot_and_fits_an_arm_with_edges(
+    file: Path, tmp_path: Path
+) -> None:
     text = file.read_text("utf-8").lower()
     assert not any(arm.lower() in text for arm in ARMS)
     robot = "dexter" if "second" in text else "panda"
-    assert load(file, values={"robot": robot}).robot.name == robot
+    write_with_edges(robot, tmp_path)
+    request = load(file, values={"robot": "seeing"}, folder=tmp_path)
+    assert request.robot.name == "seeing"
+
+
+def write_with_edges(robot: str, folder: Path) -> None:
+    """Write a shipped robot as ``seeing``, with a sensor of edges for each hand."""
+    (folder / "robots").mkdir()
+    text = (ROOT / "robots" / f"{robot}.yaml").read_text("utf-8")
+    hands = read_robot(ROOT / "robots" / f"{robot}.yaml")[0].load_cells
+    sensors = ", ".join(f"edges_{hand}: {{kind: {EDGES.name}, hand: {hand}}}" for hand in hands)
+    text = text.replace(f"name: {robot}\n", "name: seeing\n", 1)
+    text = text.replace("\ncontrol:\n", f"\nsensors: {{{sensors}}}\n\ncontrol:\n", 1)
+    (folder / "robots" / "seeing.yaml").write_text(text, "utf-8")
+    shutil.copy(ROOT / "robots" / f"{robot}.urdf", folder / "robots")
 
 
 class StillProcess:
@@ -122,7 +140,7 @@ def test_robosuite_backend_exposes_regions_at_the_image_rate() -> None:
     pair = looking_at((0.0, 0.0, 0.0))
     process = StillProcess(pair.width, pair.height, 8, 2)
     backend = RobosuiteBackend(robot, process, pair, {"red": ("cube",)})  # type: ignore[arg-type]
-    stage = load(TASKS["Lift"].program, values={"robot": "panda"}).stage
+    stage = load(TASKS["NutAssemblySquare"].program, values={"robot": "panda"}).stage
     backend.reset(stage, None, np.random.default_rng(0))
     (region,) = backend.observe().regions["left"]["red"]
     assert (region.area, region.column, region.row) == (100, 55.0, 105.0)

@@ -9,13 +9,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cbdsl.robot.source_kind import SOURCES
+from cbdsl.api.shipped import shipped_robot
+from cbdsl.documents.robot import Sensor as Section
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.robot.source_kind import SOURCES, SourceKind
 from cbdsl.sensing.declared_signal import declared_reader
 from cbdsl.sensing.sensor_faults import SensorError
+from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.registry import PluginError
+from cbdsl.types.resource_type import HEADING, ORIENTATION
 
 JOINTS = 4
+PAIR = HEADING
 Sensor = Callable[[], Reading | None]
 
 #: Reading that the package's function returns for a signal.
@@ -37,7 +43,7 @@ def read(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Reading | None]:
             return sensor
 
         monkeypatch.setitem(globals(), "made", build)
-        return declared_reader(signal, 2, JOINTS, signals)()  # type: ignore[arg-type]
+        return declared_reader(signal, PAIR, JOINTS, signals)()  # type: ignore[arg-type]
 
     return make
 
@@ -49,6 +55,24 @@ def test_suitable_reading_is_returned_unchanged(
     reading = Reading(np.array([1.0, 2.0]), jacobian, 3)
     assert read(lambda: reading, object()) is reading
     assert read(lambda: None) is None
+
+
+def test_orientation_is_read_as_a_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
+    kind = SourceKind("aim", "an aim", {"axes": ORIENTATION}, f"{__name__}:made", needs=())
+    monkeypatch.setattr(SOURCES, "get", lambda name: kind)
+    turned = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    robot, urdf = shipped_robot("panda")
+    kinematics = Kinematics(robot, urdf)
+    jacobian = np.zeros((3, len(kinematics.joints)))
+    reader = Reading(turned, jacobian, 1)
+    monkeypatch.setitem(globals(), "made", lambda signal, signals: lambda: reader)
+    (resource,) = kind.resources("aim", Section(kind="aim"), robot)
+    signals = Signals(robot, kinematics, [resource])
+    row = signals.bind(resource)
+    reading = signals.reading(row, resource.type.name)
+    assert reading is not None and reading.jacobian is not None
+    np.testing.assert_array_equal(reading.value, turned)
+    assert reading.jacobian.shape == jacobian.shape
 
 
 @pytest.mark.parametrize(
@@ -83,4 +107,4 @@ def test_exception_of_a_reader_names_the_package(
         read(broken)
     with pytest.raises(PluginError, match="wrist: TypeError"):
         monkeypatch.setitem(globals(), "made", None)
-        declared_reader(SimpleNamespace(kind="wrist", sensor="left"), 2, JOINTS, None)  # type: ignore[arg-type]
+        declared_reader(SimpleNamespace(kind="wrist", sensor="left"), PAIR, JOINTS, None)  # type: ignore[arg-type]

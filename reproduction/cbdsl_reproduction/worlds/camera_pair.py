@@ -9,7 +9,7 @@ import numpy as np
 
 # Cameras seen from the place that they look at: in front of the robot, and above, m.
 _AHEAD, _ASIDE, _ABOVE = 0.75, 0.2, 0.95
-_WIDTH, _HEIGHT, _FOCAL_LENGTH = 320, 240, 418.5
+_WIDTH, _HEIGHT, _FOCAL_LENGTH = 640, 480, 837.0
 
 
 class CameraPlace(NamedTuple):

@@ -6,7 +6,9 @@ from pathlib import Path
 
 from cbdsl import propose_robot
 from cbdsl.api.documents import write_text
+from cbdsl.extend.backend import read_robot
 from cbdsl_reproduction.worlds.camera_pair import CameraPair
+from cbdsl_reproduction.worlds.edge_sensor import EDGES
 from cbdsl_reproduction.worlds.robosuite_process import RobosuiteProcess
 
 #: Control rate, Hz; a multiple of the period of robosuite's physics, 2 ms.
@@ -43,9 +45,10 @@ def write_robot(name: str, process: RobosuiteProcess, cameras: CameraPair, folde
         "    heading: {gain: 8 /s, speed: 1 rad/s, "
         "quiescence: {rate: 1e-3, window: 0.3 s, tolerance: 5 deg}}"
     )
-    text = text.replace(
-        "\ncontrol:\n", f"\ncameras:\n{pair}\n\nvision: {{rate: {_IMAGES} Hz}}\n\ncontrol:\n", 1
-    )
+    hands = read_robot(proposal.robot)[0].load_cells
+    edges = "\n".join(f"  edges_{hand}: {{kind: {EDGES.name}, hand: {hand}}}" for hand in hands)
+    added = f"cameras:\n{pair}\n\nvision: {{rate: {_IMAGES} Hz}}\n\nsensors:\n{edges}\n"
+    text = text.replace("\ncontrol:\n", f"\n{added}\ncontrol:\n", 1)
     text = text.replace("  rate: 60 Hz\n", f"  rate: {RATE:g} Hz\n", 1)
     text = text.replace("\n  tasks:\n", f"\n  tasks:\n{heading}\n", 1)
     text = text.replace("\nsimulation:\n", "\nsimulation:\n  physics_rate: 500 Hz\n", 1)

@@ -38,6 +38,7 @@ class RobosuiteTask(NamedTuple):
 _TABLE = (0.0, 0.0, 0.85)
 _BINS = (0.1, 0.0, 0.85)
 _PEGS = (0.05, 0.0, 0.85)
+_DOOR = (-0.08, -0.25, 1.0)
 _ALL = (
     RobosuiteTask("Lift", "lift", _TABLE, {"red": ("cube_main",)}, 0.95),
     RobosuiteTask(
@@ -70,6 +71,13 @@ _ALL = (
             "blue": tuple(f"RoundNut_g{side}_visual" for side in range(8)),
             "green": ("peg2",),
         },
+        0.9,
+    ),
+    RobosuiteTask(
+        "Door",
+        "door",
+        _DOOR,
+        {"red": ("Door_handle_visual",), "green": ("Door_handle_base_visual",)},
         0.9,
     ),
     RobosuiteTask(
