@@ -67,13 +67,12 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
         ends = last + 1
         if ends > history.last or not held[first:ends].any():
             continue
-        # Fingers that only lean on an object, to feel or to free it, do not hold it.
-        losers = [
-            each
-            for each in courses
-            if history.lacks(each)[last : ends + 1].any() and not each.strength < _PRESSED
-        ]
+        losers = [each for each in courses if history.lacks(each)[last : ends + 1].any()]
         if not losers or _opens(history, courses[0].effector, ends):
+            continue
+        # Fingers that only lean on an object, to feel or to free it, may leave it before they hold.
+        leaned = all(each.strength < _PRESSED for each in losers)
+        if leaned and held[ends:].any():
             continue
         force = float(history.forces(courses[0].effector)[max(first, last - 5) : ends].max())
         clause = (
