@@ -11,8 +11,8 @@ from made_history import TICKS, course, flags, made, predicates, pressed, transi
 
 import cbdsl_why as package
 from cbdsl.reporting.recorded import read_recording
-from cbdsl.runtime.causes import BLOCKED, OUT_OF_REACH, SINGULAR, RestCause
-from cbdsl.runtime.recording import SIGHT
+from cbdsl.runtime.causes import BLOCKED, OPTIMUM, OUT_OF_REACH, SINGULAR, RestCause
+from cbdsl.runtime.recording import HOLDERS, SIGHT
 from cbdsl_why.diagnosis import FAMILIES, diagnose
 from cbdsl_why.history import FailureCause, History
 from tests.reporting.conftest import Record
@@ -23,6 +23,8 @@ _GONE = np.tile([0.8, 0.1, 0.0], (TICKS, 1))
 _GONE[60:] = np.nan
 _NEVER = np.full((TICKS, 3), np.nan)
 _TIMED_OUT = [transition("0XX", "reach", "0XX", 2.0, 110)]
+_SHORT = {"transitions": _TIMED_OUT, "level_share": course(0.1, 0, END, 1.0)}
+_NEARER = np.linspace(0.3, 0.1, TICKS)[:, None] * np.ones(3)
 _LOST = predicates(("0XX", 60), ("-XX", 60))
 
 
@@ -48,6 +50,8 @@ def sight(code: str, ticks: slice = END, usual: str = "seen") -> np.ndarray:
         ("lost", 50, {"predicates": _LOST, "signal_stereo__red": _GONE,
                       "sight": np.where(np.arange(TICKS)[:, None] < 60,
                                         sight("missing", slice(50, 60)), sight("unseen"))}),
+        ("ambiguous", 60, {"predicates": _LOST, "signal_stereo__red": _GONE,
+                           "sight": sight("unseen", usual="several")}),
         ("wrong_order", 0, {"predicates": ["X-X"] * TICKS,
                             "level_priority": -np.ones((TICKS, 3), dtype=int),
                             "flags": flags("seeking", 1, slice(0, 60))
@@ -58,6 +62,13 @@ def sight(code: str, ticks: slice = END, usual: str = "seen") -> np.ndarray:
                      "level_held_by": course(2, 0, END, -1).astype(int)}),
         ("limit", 0, {"transitions": _TIMED_OUT, "level_share": course(0.1, 0, END, 1.0),
                       "level_held_by": course(3, 0, END, -1).astype(int)}),
+        ("limit", 0, {**_SHORT, "at_limits": np.ones((TICKS, 2), dtype=bool)}),
+        ("stuck", 0, {**_SHORT, "level_singular_value": course(0.01, 0, END, 1.0)}),
+        ("stuck", 0, {**_SHORT, "level_held_by":
+                      course(3 + HOLDERS.index(OPTIMUM), 0, END, -1).astype(int)}),
+        ("time", 119, {"transitions": [transition("XXX", "reach", "0XX", 1.0, 60)],
+                       "limits": {"pick": {"transitions": 1}}}),
+        ("time", 119, {"limits": {"pick": {"episode_time": 2.0}}, "errors": _NEARER}),
         ("guard", 0, {"transitions": _TIMED_OUT, "guard_held": np.ones((TICKS, 1), dtype=bool)}),
         ("slip", 60, {"predicates": predicates(("X0X", 30), ("X1X", 30), ("X-X", 60))}),
         ("slip", 118, {"predicates": predicates(("X1X", 118), ("X-X", 2))}),
@@ -79,6 +90,33 @@ def test_diagnose_names_the_kind_and_the_tick(
     diagnosis = diagnose(made(**changes))
     assert diagnosis.cause is not None
     assert (diagnosis.cause.kind, diagnosis.cause.tick) == (kind, tick)
+
+
+def test_diagnose_of_a_level_that_no_joint_moves_names_no_limit() -> None:
+    limits = {**_SHORT, "at_limits": np.ones((TICKS, 2), dtype=bool)}
+    assert "limit" not in _all(made(**limits, level_rank=np.zeros((TICKS, 3), dtype=int)))
+
+
+def test_diagnose_of_simultaneous_causes_names_the_contact_before_the_sight() -> None:
+    facts = {"predicates": predicates(("01X", 60), ("--X", 60)), "signal_stereo__red": _GONE}
+    missing = np.where(np.arange(TICKS)[:, None] < 60, sight("missing", slice(55, 60)), 0)
+    diagnosis = diagnose(made(**facts, sight=missing))
+    assert [each.kind for each in _causes(made(**facts, sight=missing))][:2] == ["slip", "lost"]
+    assert diagnosis.others[0].tick == 55
+
+
+def test_diagnose_ignores_an_object_that_was_seen_later() -> None:
+    late = np.where(np.arange(TICKS)[:, None] < 30, np.nan, [0.8, 0.1, 0.0])
+    unseen = sight("unseen", slice(0, 30))
+    seen = predicates(("-XX", 30), ("0XX", 90))
+    facts = {"predicates": seen, "signal_stereo__red": late, "sight": unseen}
+    assert _all(made(**facts, transitions=[])) == []
+
+
+def test_diagnose_names_an_event_before_an_earlier_end() -> None:
+    stated = {**transition("X1", "hold", "X1", 0.5, 30), "reason": "it is late"}
+    slip = {"predicates": predicates(("X1X", 60), ("X-X", 60)), "transitions": [stated]}
+    assert _all(made({"outcome": "failure"}, **slip)) == ["slip", "stated"]
 
 
 def test_diagnose_of_a_halted_episode_names_its_error() -> None:

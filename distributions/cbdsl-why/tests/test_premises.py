@@ -98,6 +98,11 @@ def test_diagnose_behind_a_contradiction_does_not_know() -> None:
     assert diagnosis.others[0].kind == "slip"
 
 
+def test_diagnose_of_a_halt_behind_a_contradiction_knows() -> None:
+    halted = {"halted": True, "ending": "Failed after 2.0 s: no answer."}
+    assert getattr(diagnose(made(halted, time=_UNEVEN)).cause, "kind", "") == "backend"
+
+
 def test_diagnose_before_a_contradiction_knows() -> None:
     never = {"predicates": ["-XX"] * TICKS, "signal_stereo__red": np.full((TICKS, 3), np.nan)}
     unseen = np.full((TICKS, 1), SIGHT.index("unseen"))
