@@ -80,3 +80,14 @@ def test_speed_targets_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not speed.misses(speed.BODIES[0], summary)
     assert speed.misses(speed.BODIES[0], summary | {"simulated_per_wall": 3.9})
     assert speed.misses(speed.BODIES[0], summary | {"percent": {"perception": 12.1}})
+
+
+@pytest.mark.parametrize(
+    ("episodes", "first"),
+    [("11011", 1), ("0011101", 3), ("010101011011", 8), ("1110", None), ("", None)],
+)
+def test_skill_learned_at_start_of_good_window(
+    episodes: str, first: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot_transfer = _benchmark("robot_transfer", monkeypatch)
+    assert robot_transfer.first_of_good([each == "1" for each in episodes]) == first

@@ -33,16 +33,32 @@ def examine_stage(
     loaded: Loaded[StageDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check a stage document against itself and its robot, or the first one that suits it."""
-    name, source = loaded.document.robot, loaded.source
+    name, library = loaded.document.robot, session.library
     if name != ANY_ROBOT:
-        place, library = source.place("robot"), session.library
+        place = loaded.source.place("robot")
         path = find_document(RobotDocument, name, place, library, diagnostics)
-        body = session.body(path, diagnostics)
+        _examine(loaded, session.body(path, diagnostics), diagnostics)
+        return
+    problems: list[str] = []
+    trials: list[Diagnostics] = []
+    for fitted, body in _before_robots(loaded, session, problems):
+        trials.append(Diagnostics())
+        _examine(fitted, body, trials[-1])
+        if not trials[-1].failed:
+            break
+    if trials:
+        best = trials[0] if trials[-1].failed else trials[-1]
+        diagnostics.extend(best.sorted())
     else:
-        loaded, body = _on_any_robot(loaded, session, diagnostics)
-        if isinstance(body, Unknown):
-            return
-    for node, (first, last) in _reversed_spans(loaded.document, source.root):
+        problem = problems[0] if problems else "there is no robot without errors"
+        diagnostics.add("CB358", loaded.source.root.place, problem=problem)
+
+
+def _examine(
+    loaded: Loaded[StageDocument], body: Outcome[CheckedRobot], diagnostics: Diagnostics
+) -> None:
+    """Check a stage before one robot."""
+    for node, (first, last) in _reversed_spans(loaded.document, loaded.source.root):
         diagnostics.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
         check_presentations(loaded, diagnostics, key, context, body)
@@ -55,25 +71,20 @@ def examine_stage(
         _sizes(loaded, body, diagnostics)
 
 
-def _on_any_robot(
-    loaded: Loaded[StageDocument], session: Session, diagnostics: Diagnostics
-) -> tuple[Loaded[StageDocument], Outcome[CheckedRobot]]:
-    """Return a stage for any robot before the first one at hand that suits it, and that robot."""
-    library, problems = session.library, []
+def _before_robots(
+    loaded: Loaded[StageDocument], session: Session, problems: list[str]
+) -> Iterator[tuple[Loaded[StageDocument], CheckedRobot]]:
+    """Yield a stage for any robot before each one at hand, and note why it does not suit others."""
+    library = session.library
     for name in library.names(RobotDocument, loaded.path):
         file = library.find(RobotDocument, name, loaded.path)
         body = session.body(file or UNKNOWN, Diagnostics())
         if file is None or isinstance(body, Unknown):
             continue
         try:
-            document = fitted_stage(loaded, body.document, file)
+            yield loaded._replace(document=fitted_stage(loaded, body.document, file)), body
         except UnfitStageError as error:
             problems.append(str(error))
-        else:
-            return loaded._replace(document=document), body
-    problem = problems[0] if problems else "there is no robot without errors"
-    diagnostics.add("CB358", loaded.source.root.place, problem=problem)
-    return loaded, UNKNOWN
 
 
 def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, diagnostics: Diagnostics) -> None:

@@ -66,3 +66,17 @@ def test_measure_that_no_length_follows_from_is_one_finding(
         fitted_stage(
             library.read(path, StageDocument), library.read(file, RobotDocument).document, file
         )
+
+
+@pytest.mark.parametrize(("hand", "codes"), [("arm", []), ("tail", ["CB351"])])
+def test_stage_for_any_robot_fits_first_robot_with_its_parts(
+    hand: str, codes: list[str], tmp_path: Path
+) -> None:
+    """The first robot at hand with a span has two arms; another one has an ``arm``."""
+    path = tmp_path / "stage.yaml"
+    path.write_text(
+        "cbdsl: 1\nkind: stage\nname: stage\nrobot: any\n"
+        "things: {ball: {form: {shape: ball, radius: 0.2 span}, mass: 1 kg}}\n"
+        f"contexts: {{here: {{things: [ball], place: {{hand: {hand}, gap: 0.1 span}}}}}}\n"
+    )
+    assert [found.code for found in check_document(path)] == codes
