@@ -69,10 +69,7 @@ def program_to_assimilate(
         (only,) = places.values()
         features |= _distances(only, variants.values(), robot)
     if not features:
-        raise UsageError(
-            f"{path}: no controller goes by a seen position, so there is no context to learn; "
-            f"--policy of cb run keeps a policy as it is"
-        )
+        raise UsageError(f"{path}: no seen position, so no context to learn; see cb run --policy")
     worth = state_values(policy.document.policy, policy.document.transitions)
     allotted = {name: values for name, (_, values) in fitting.items()}
     # The program looks for the last object first: that is the object it takes first.

@@ -33,13 +33,13 @@ def examine_stage(
     loaded: Loaded[StageDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check a stage document against itself and its robot, or the first one that suits it."""
-    name, library = loaded.document.robot, session.library
+    name, place = loaded.document.robot, loaded.source.root.place
     if name != ANY_ROBOT:
-        place = loaded.source.place("robot")
-        path = find_document(RobotDocument, name, place, library, diagnostics)
+        where = loaded.source.place("robot")
+        path = find_document(RobotDocument, name, where, session.library, diagnostics)
         _examine(loaded, session.body(path, diagnostics), diagnostics)
         return
-    problems: list[str] = []
+    problems = ["there is no robot without errors"]
     trials: list[Diagnostics] = []
     for fitted, body in _before_robots(loaded, session, problems):
         trials.append(Diagnostics())
@@ -50,8 +50,7 @@ def examine_stage(
         best = trials[0] if trials[-1].failed else trials[-1]
         diagnostics.extend(best.sorted())
     else:
-        problem = problems[0] if problems else "there is no robot without errors"
-        diagnostics.add("CB358", loaded.source.root.place, problem=problem)
+        diagnostics.add("CB358", place, problem=problems[:2][-1])
 
 
 def _examine(
