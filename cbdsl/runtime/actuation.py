@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from cbdsl.backends.staging.links import pairs_without_contact
 from cbdsl.control.compiled_tick import RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.plan import ControllerPlan
@@ -15,12 +17,13 @@ from cbdsl.documents.robot import HullSection, RobotDocument
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.handle import bind
 from cbdsl.program.checked import NO_GUARDS, Guards
+from cbdsl.robot.urdf import UrdfError, UrdfModel
+from cbdsl.robot.weight import overloads
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.causes import BLOCKED, CREEPING, OUT_OF_REACH, Balance, RestCause
 from cbdsl.runtime.clearance import Clearance
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
-from cbdsl.runtime.obstruction import obstructions
 from cbdsl.runtime.posture_search import least_error
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.signal_rows import Selection
@@ -28,6 +31,8 @@ from cbdsl.types.potential import POTENTIALS
 
 # Distance from its limit, beside the law's margin, at which a joint is at it, rad and m.
 _AT_LIMIT = 0.01, 0.001
+# Named contacts; more would not explain more.
+_NAMED = 2
 
 # Controllers, each with the names of its peers, and the conditions that are evaluated.
 _Acting = tuple[tuple[tuple[ControllerRun, tuple[str, ...]], ...], tuple[int, ...]]
@@ -354,3 +359,49 @@ def _peers(item: Active) -> tuple[int, int]:
 
 def _slot(peers: Mapping[str, ControllerRun], name: str | None) -> int:
     return peers[name].slot if name is not None and name in peers else -1
+
+
+def obstructions(
+    robot: RobotDocument, model: UrdfModel, positions: Mapping[str, float], joints: Iterable[str]
+) -> tuple[str, ...]:
+    """Return weights beyond efforts, and contacts of links, that keep joints from following.
+
+    Args:
+        robot: Robot document, with efforts and pairs of links that touch nothing.
+        model: Model of the robot.
+        positions: Measured positions of joints, rad or m.
+        joints: Joints that do not follow their references.
+    """
+    late = tuple(joints)
+    try:
+        return (*_weights(robot, model, positions, late), *_contacts(robot, model, positions, late))
+    except (ImportError, UrdfError):  # meshes need coal, which comes with Pinocchio
+        return ()
+
+
+def _weights(
+    robot: RobotDocument, model: UrdfModel, positions: Mapping[str, float], late: tuple[str, ...]
+) -> list[str]:
+    efforts = {
+        name: min(robot.simulation.efforts.get(name, math.inf), model.joints[name].effort)
+        for name in late
+    }
+    over = overloads(model, positions, efforts)
+    return [
+        f"{name} bears {needed:.3g} of {most:.3g} {'N' if model.joints[name].slides else 'N m'}"
+        for name, (needed, most) in over.items()
+    ]
+
+
+def _contacts(
+    robot: RobotDocument, model: UrdfModel, positions: Mapping[str, float], late: tuple[str, ...]
+) -> list[str]:
+    from cbdsl.kinematics.self_contacts import SelfContacts  # only a blocked arm needs it
+
+    ignored = pairs_without_contact(robot, model)
+    touching = [
+        f"{one} touches {other}"
+        for one, other in sorted(SelfContacts(model).touching(positions) - ignored)
+        if not {*model.above(one)}.symmetric_difference(model.above(other)).isdisjoint(late)
+    ]
+    return touching[:_NAMED]

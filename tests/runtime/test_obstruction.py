@@ -9,7 +9,7 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.runtime.obstruction import obstructions
+from cbdsl.runtime.actuation import obstructions
 
 _LINK = (
     '<link name="{}"><collision><geometry><box size="0.4 0.1 0.1"/></geometry>'
