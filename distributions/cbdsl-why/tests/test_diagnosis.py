@@ -113,6 +113,10 @@ def test_diagnose_ignores_an_object_that_was_seen_later() -> None:
     assert _all(made(**facts, transitions=[])) == []
 
 
+def test_diagnose_of_an_episode_whose_members_stand_still_names_no_time() -> None:
+    assert "time" not in _all(made(limits={"pick": {"episode_time": 2.0}}))
+
+
 def test_diagnose_names_an_event_before_an_earlier_end() -> None:
     stated = {**transition("X1", "hold", "X1", 0.5, 30), "reason": "it is late"}
     slip = {"predicates": predicates(("X1X", 60), ("X-X", 60)), "transitions": [stated]}
