@@ -132,7 +132,7 @@ def _project(slopes: Floats, allowed: Floats, held: Booleans, displacement: Floa
     for _ in range(_SWEEPS):
         most = 0.0
         for k in range(len(slopes)):
-            # Between two sweeps of all bounds, only those that push are corrected.
+            # Between two sweeps of all bounds, only pushing bounds are corrected.
             if not held[k] and (are_all or pressures[k] > 0.0):
                 lack = allowed[k] - dot(slopes[k], displacement)
                 push = max(lack / squares[k], -pressures[k])
