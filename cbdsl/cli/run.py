@@ -319,8 +319,7 @@ def _attempt(
 
 def _observers(telling: Telling, recording: Recording | None) -> Iterator[EpisodeObserver]:
     """Yield the observers of an episode, in the order of their output."""
-    from cbdsl.cli.output.narration import Narration
-    from cbdsl.cli.output.stack_narration import StackNarration
+    from cbdsl.cli.output.narration import Narration, StackNarration
 
     if not telling.as_json:
         yield Narration()

@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
-from cbdsl.cli.output.stack_narration import StackNarration
+from cbdsl.cli.output.narration import StackNarration
 from cbdsl.documents.robot import JointTorques, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics

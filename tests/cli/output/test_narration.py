@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cbdsl.cli.output.narration import Narration
-from cbdsl.cli.output.stack_narration import StackNarration
+from cbdsl.cli.output.narration import Narration, StackNarration
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
