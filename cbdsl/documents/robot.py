@@ -106,13 +106,15 @@ class LoadCell(Section):
     link: LinkName
     """Link of the URDF with the cell."""
     joint: JointName
-    """Actuated joint that flexes or slides this finger."""
+    """Actuated joint that flexes or slides this finger; fingers that share one feel their mean."""
     normal: Annotated[Vector, AfterValidator(_require_direction)]
     """Direction in the link's frame in which the finger presses."""
     share: Positive = 1.0
     """Share of a force reference for this finger, so that opposing fingers balance."""
     radius: Lever = 0.0
-    """Radius of a round fingertip about the link's origin; without it, contacts are there."""
+    """Radius of a round fingertip about the link's origin; without it, contacts are at the pad."""
+    pad: Point = (0.0, 0.0, 0.0)
+    """Middle of the surface that presses, in the link's frame."""
 
 
 class Sensor(Section):

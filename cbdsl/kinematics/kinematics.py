@@ -72,6 +72,10 @@ class Link(NamedTuple):
     rotation: Floats
     support: Integers
 
+    def point(self, offset: Sequence[float]) -> Floats:
+        """Return the position in that frame of a point of the link, m, shape (3,)."""
+        return np.asarray(self.position + self.rotation.dot(np.array(offset)))
+
 
 class Kinematics:
     """Placements and Jacobians of links as functions of the actuated joints.

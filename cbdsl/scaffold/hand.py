@@ -3,7 +3,8 @@
 # Model: a pad is the last link that a joint of the hand moves, directly or by couplings, if it
 # touches objects. The hand is open where its pads are far from each other, and each joint opens by
 # itself. A pad presses towards the mean of the other pads, half-way between open and closed; a
-# direction near an axis of its link is that axis. The surfaces are those of soft rubber.
+# direction near an axis of its link is that axis. Its middle is as far along the finger as the tip
+# of the arm, on the side to which the pad presses. The surfaces are those of soft rubber.
 
 from __future__ import annotations
 
@@ -15,9 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.kinematics.joint_tree import JointTree, PlacedJoint
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.tip_frame import shape_centre
-from cbdsl.robot.urdf import UrdfJoint, UrdfModel
+from cbdsl.robot.tip_frame import shape_centre, shape_corners
+from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel
 
 # Part of a joint's range that postures keep off its ends.
 _OFF = 0.03
@@ -35,12 +37,14 @@ class Pad(NamedTuple):
         joint: Actuated joint that moves it.
         normal: Direction in which it presses, in its frame.
         lever: Way of the pad per motion of the joint, m/rad; 1 if the joint slides.
+        middle: Middle of its surface, in its frame, m.
     """
 
     link: str
     joint: str
     normal: tuple[float, ...]
     lever: float
+    middle: Numbers
 
 
 class ProposedHand:
@@ -72,10 +76,30 @@ class ProposedHand:
 
     @property
     def span(self) -> float:
-        """Mean distance of two pads of the open hand, m."""
-        centres = [centre for centre, _ in self._centres(self.postures["open"]).values()]
-        gaps = [np.linalg.norm(one - other) for one, other in itertools.combinations(centres, 2)]
+        """Mean distance between the surfaces of two pads of the open hand, m."""
+        placed = self._centres(self.postures["open"])
+        middles = [_point(placed[pad.link][1].child, pad.middle) for pad in self.pads]
+        gaps = [np.linalg.norm(one - other) for one, other in itertools.combinations(middles, 2)]
         return float(np.mean(gaps))
+
+    def aim(self, link: str, offset: Numbers) -> None:
+        """Put the middles of the pads beside the arm's tip, at an offset in a link's frame, m."""
+        placed = self._centres(self.postures["closed"])
+        tip = _point(self._tree.place(self._model.rests)[link].child, offset)
+        self.pads = tuple(self._aimed(pad, placed[pad.link][1].child, tip) for pad in self.pads)
+
+    def _aimed(self, pad: Pad, at: Pose, tip: Floats) -> Pad:
+        corners, normal = np.array(shape_corners(self._model, pad.link)), np.array(pad.normal)
+        if not corners.size:
+            return pad
+        place, low, high = (
+            (tip - at.position) @ at.rotation,
+            corners.min(axis=0),
+            corners.max(axis=0),
+        )
+        middle = np.where((low <= place) & (place <= high), place, (low + high) / 2)
+        middle += ((corners @ normal).max() - middle @ normal) * normal
+        return pad._replace(middle=tuple(round(float(each), 4) + 0.0 for each in middle))
 
     def grip(self, link: str) -> tuple[float, float, float]:
         """Return the point between the closing pads in the frame of a link that carries them, m."""
@@ -136,11 +160,7 @@ class ProposedHand:
                 )
         placed = self._tree.place({**self._model.rests, **given})
         return {
-            link: (
-                placed[link].child.position
-                + placed[link].child.rotation @ np.array(shape_centre(self._model, link)),
-                placed[link],
-            )
+            link: (_point(placed[link].child, shape_centre(self._model, link)), placed[link])
             for link in self._ends
         }
 
@@ -159,4 +179,9 @@ class ProposedHand:
         travel = self._centres(opened)[link][0] - self._centres(closed)[link][0]
         lever = float(np.linalg.norm(travel)) / (abs(opened[index] - closed[index]) or 1.0)
         lever = 1.0 if self._joints[index].slides else lever
-        return Pad(link, mover, tuple(round(float(each), 3) + 0.0 for each in normal), lever)
+        direction = tuple(round(float(each), 3) + 0.0 for each in normal)
+        return Pad(link, mover, direction, lever, shape_centre(self._model, link))
+
+
+def _point(pose: Pose, offset: Numbers) -> Floats:
+    return np.asarray(pose.position + pose.rotation @ np.array(offset))

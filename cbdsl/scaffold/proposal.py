@@ -163,13 +163,14 @@ def _load_cells(hands: Mapping[str, ProposedHand]) -> str:
         lines.append(f"  {name}:\n")
         for pad in hand.pads:
             normal = ", ".join(f"{each:g}" for each in pad.normal)
+            middle = ", ".join(f"{each:g} m" for each in pad.middle)
             finger = re.sub(r"\W+", "_", pad.link, flags=re.ASCII)
             finger = finger if finger[:1].isalpha() else f"pad_{finger}"
             lines.append(
                 f"    {finger}: {{link: {scalar(pad.link)}, joint: {scalar(pad.joint)}, "
-                f"normal: [{normal}]}}\n"
+                f"normal: [{normal}], pad: [{middle}]}}\n"
             )
-    head = "\n# Pads that feel forces, and the directions in which they press.\nload_cells:\n"
+    head = "\n# Pads that feel forces, with their directions and middles.\nload_cells:\n"
     return "".join((head, *lines)) if lines else ""
 
 

@@ -14,7 +14,7 @@ from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel
 from cbdsl.scaffold.document_template import scalar
 from cbdsl.scaffold.hand import ProposedHand
 from cbdsl.scaffold.start_contacts import Postures
-from cbdsl.scaffold.tip_link import hand_corners
+from cbdsl.scaffold.tip_link import hand_corners, working_frame
 
 # Distances of a tip before a thing, in parts of the limb's length.
 _BEFORE = (0.02, 0.15)
@@ -35,12 +35,16 @@ def offset_of_tip(model: UrdfModel, effector: SemanticGroup) -> Numbers:
 def between_pads(
     model: UrdfModel, effectors: Mapping[str, SemanticGroup], hands: Mapping[str, ProposedHand]
 ) -> Iterator[tuple[str, Numbers]]:
-    """Yield the arms whose tip is between the pads of the hand that they carry, with its offset."""
+    """Aim pads at the tips of the arms that carry them; yield these arms, with offsets."""
     for hand in hands.values():
         way = [joint.name for joint in model.way(hand.pads[0].link)]
         for name, each in effectors.items():
-            if each.tip is not None and each.joints[-1].name in way and not is_acting(each.tip):
-                yield name, hand.grip(each.tip)
+            if each.tip is not None and each.joints[-1].name in way:
+                offset = (0.0, 0.0, 0.0) if is_acting(each.tip) else hand.grip(each.tip)
+                # Behind the fingers it is moved to their far end, as for cameras.
+                corners = hand_corners(model, each.joints[-1].child, each.tip)
+                hand.aim(each.tip, (working_frame(corners, offset) or offset)[:3])
+                yield name, offset
 
 
 def proposed_postures(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Postures:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.span import draw
+from cbdsl.backends.staging.shape import draw
 from cbdsl.documents.context import Context
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

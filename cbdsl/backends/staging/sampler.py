@@ -13,8 +13,7 @@ import numpy as np
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.scenario import Movement, PlacedThing, Scenario, SceneObject
-from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.backends.staging.span import draw
+from cbdsl.backends.staging.shape import SolidShape, draw
 from cbdsl.documents.context import Context, Motion, PlaceSection, Presentation
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

@@ -11,7 +11,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cbdsl.backends.staging.span import draw
 from cbdsl.documents.form import (
     MOST_PIECES,
     BallForm,
@@ -36,6 +35,11 @@ from cbdsl.robot.urdf import UrdfOrigin
 
 # Number of boxes that the wall of a tube consists of.
 _SIDES = 12
+
+
+def draw(span: tuple[float, float], rng: np.random.Generator) -> float:
+    """Draw from the uniform distribution over a span."""
+    return float(rng.uniform(*span))
 
 
 class Wall(NamedTuple):

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import LoadCell, RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.kinematics.turned_posture import TurnedPosture
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Standoff
+from cbdsl.robot.urdf import Numbers
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.table.refresh import CONFIGURATION, LENGTH, MANIPULATOR, MIXTURE, TIP
 from cbdsl.sensing.table.signal_rows import SignalRows
@@ -123,25 +124,30 @@ class KinematicRows:
         The thumb is the finger with the largest share of the hand's force.
         """
         cells = self._robot.load_cells[hand].values()
-        thumb = max(cells, key=lambda cell: cell.share).link
-        others = [cell.link for cell in cells if cell.link != thumb]
-        weighted = {thumb: weights[0]} | {link: weights[1] / len(others) for link in others}
-        rows = [self.links([link]) for link in weighted]
-        parts = [RowPart(source=r, weight=w) for r, w in zip(rows, weighted.values(), strict=True)]
+        thumb = max(cells, key=lambda cell: cell.share)
+        others = [cell for cell in cells if cell is not thumb]
+        rows = [self._pad(cell) for cell in (thumb, *others)]
+        shares = [weights[0], *(weights[1] / len(others) for _ in others)]
+        parts = [RowPart(source=r, weight=w) for r, w in zip(rows, shares, strict=True)]
         return self._rows.bind(Form(MIXTURE, 3, 3, parts), rows)
+
+    def _pad(self, cell: LoadCell) -> int:
+        """Return the row of the middle of a pad, m, world frame."""
+        key = "links", cell.link, *(cell.pad if any(cell.pad) else ())
+        return self._rows.bound(key, lambda: self._bind_links([cell.link], cell.pad))
 
     def _bind_constant(self, values: Sequence[float] | Floats) -> int:
         number = self._rows.bind_written(len(values))
         self._rows.table.write(number, Reading(np.array(values), None, 0))
         return number
 
-    def _bind_links(self, links: Sequence[str]) -> int:
+    def _bind_links(self, links: Sequence[str], offset: Numbers = (0.0, 0.0, 0.0)) -> int:
         if len(links) > 1:
             rows = [self.links([link]) for link in links]
             parts = [RowPart(source=row, weight=1.0 / len(rows)) for row in rows]
             return self._rows.bind(Form(MIXTURE, 3, 3, parts), rows)
         link = self._kinematics.link(links[0])
-        part = RowPart(link.frame, link.position, link.rotation.ravel(), link.support)
+        part = RowPart(link.frame, link.point(offset), link.rotation.ravel(), link.support)
         return self._rows.bind(Form(TIP, 3, 3, (part,)))
 
     def _bind_configuration(self, source: sources.EffectorConfiguration) -> int:

@@ -56,9 +56,10 @@ ROW = np.dtype(
 )
 
 #: A part of a row: a place in a frame, with the joints that move it; another row, with its weight
-#: and its place in the sum; a load cell, with its normal in the frame and the radius of its
-#: fingertip; a camera, with the share of its heading and the heading, rad; or a fingertip in
-#: contact, with its stiffness, N/m, and the frame of the only direction that counts, -1 for all.
+#: and its place in the sum; a load cell, with its normal in the frame, the radius of its fingertip,
+#: and the first cell of the same joint; a camera, with the share of its heading and the heading,
+#: rad; or a fingertip in contact, with its stiffness, N/m, and the frame of the only direction that
+#: counts, -1 for all.
 PART = np.dtype(
     [
         ("frame", np.int64),
@@ -248,7 +249,8 @@ def _write_length(row: Any, table: TableArrays) -> None:
 
 @compiled
 def _write_forces(row: Any, table: TableArrays, sensed: SensedArrays, frames: Floats) -> None:
-    """Write each cell's force along its normal; measured while all cells are in contact."""
+    """Write measured forces along normals while all cells touch, as means of each joint."""
+    forces, sharing = np.zeros(row.parts), np.zeros(row.parts)
     for i in range(row.parts):
         part = table.parts[row.part + i]
         frame, along = frames[part.frame], 0.0
@@ -257,9 +259,13 @@ def _write_forces(row: Any, table: TableArrays, sensed: SensedArrays, frames: Fl
             for inner in range(3):
                 turned += frame[3 * k + inner] * part.normal[inner]
             along += turned * sensed.loads[part.cell, k]
-        table.value[row.start + i] = along
+        forces[part.shift] += along
+        sharing[part.shift] += 1.0
         if not sensed.feeling[part.cell]:
             row.defined = READABLE
+    for i in range(row.parts):
+        first = table.parts[row.part + i].shift
+        table.value[row.start + i] = forces[first] / sharing[first]
 
 
 @compiled

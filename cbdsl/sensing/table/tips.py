@@ -47,5 +47,4 @@ class Tips:
         """Return an effector's control point as a part of a row of the signal table."""
         name, offset = self._tips[effector]
         link = self._kinematics.link(name)
-        origin = link.position + link.rotation.dot(np.array(offset))
-        return RowPart(link.frame, origin, link.rotation.ravel(), link.support)
+        return RowPart(link.frame, link.point(offset), link.rotation.ravel(), link.support)

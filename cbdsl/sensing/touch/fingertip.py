@@ -17,18 +17,6 @@ from cbdsl.numeric.vector import add, cross, norm, scale
 
 
 @compiled_once
-def find_foot(load: Floats, foot: Floats) -> None:
-    """Find the point of a load's line of action that is nearest to the middle of its torque.
-
-    Args:
-        load: Force, which is not zero, and torque, N and N m, shape (6,).
-        foot: Output: point from the middle, m, in the axes of the load, shape (3,).
-    """
-    cross(load[:3], load[3:], foot)
-    scale(foot, 1.0 / norm(load[:3]) ** 2)
-
-
-@compiled_once
 def add_contact(load: Floats, radius: float, place: Floats) -> None:
     """Displace the middle of a fingertip to its contact.
 
@@ -41,8 +29,10 @@ def add_contact(load: Floats, radius: float, place: Floats) -> None:
     size = norm(load[:3])
     if size == 0.0:
         return
+    # The point of the line of action nearest to the middle.
     foot = np.empty(3)
-    find_foot(load, foot)
+    cross(load[:3], load[3:], foot)
+    scale(foot, 1.0 / size**2)
     off = norm(foot)
     if off >= radius:  # noise, or a torque about the normal
         add(place, foot, radius / off if off > 0.0 else 0.0)

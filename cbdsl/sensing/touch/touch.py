@@ -200,15 +200,16 @@ class Touch:
         """Return parts and Jacobian of the row of forces along a hand's load cell normals.
 
         These forces are defined without contact too, as a measured zero, so that a hand can close
-        on an object. A finger's force depends on the joint that flexes it.
+        on an object. A finger's force depends on the joint that flexes it. Fingers that one joint
+        flexes for equal forces have their mean, since this joint cannot change the difference.
         """
-        parts = []
-        for place, cell in enumerate(self._fingers(hand).values(), self._own[hand].start):
-            link = self._kinematics.link(cell.link)
+        parts, fingers = [], self._fingers(hand)
+        drives = [(cell.joint, cell.share) for cell in fingers.values()]
+        for place, cell in enumerate(fingers.values()):
+            link, number = self._kinematics.link(cell.link), self._own[hand].start + place
             normal = link.rotation.dot(self._normals[cell.link])
-            parts.append(
-                RowPart(link.frame, link.position, cell=place, normal=normal, radius=cell.radius)
-            )
+            part = RowPart(link.frame, link.point(cell.pad), cell=number, normal=normal)
+            parts.append(part._replace(shift=drives.index(drives[place]), radius=cell.radius))
         return parts, self._flexions[hand]
 
     def finger_parts(self, source: FingerLoad) -> list[RowPart]:

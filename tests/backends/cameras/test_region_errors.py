@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.cameras.region_errors import RegionErrors
+from cbdsl.backends.cameras.ideal import RegionErrors
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.channels import ChannelFilter, Region
 from tests.backends.conftest import URDF, made_stage
@@ -40,7 +40,8 @@ def errors(dexter: RobotDocument, cameras: str, radius: float) -> np.ndarray:
         measured.append((region.area * square, region.column - column, region.row - row))
     backend.close()
     deviations = np.std(measured, axis=0)
-    return deviations / [np.mean(measured, axis=0)[0], 1.0, 1.0]
+    relative: np.ndarray = deviations / [np.mean(measured, axis=0)[0], 1.0, 1.0]
+    return relative
 
 
 @pytest.mark.parametrize("radius", [0.03, 0.06])
@@ -56,7 +57,8 @@ def test_errors_grow_with_the_noise_and_small_regions_suffer_most() -> None:
     def spread(deviation: float, area: float) -> np.ndarray:
         noise = RegionErrors(deviation, np.random.default_rng(0))
         drawn = np.array([noise.added(area, 0.0, 0.0) for _ in range(2000)])
-        return drawn.std(axis=0) / [area, 1.0, 1.0]
+        relative: np.ndarray = drawn.std(axis=0) / [area, 1.0, 1.0]
+        return relative
 
     assert spread(4.0, 300.0) == pytest.approx(2 * spread(2.0, 300.0), rel=1e-9)
     assert (spread(2.0, 50.0) > 1.2 * spread(2.0, 500.0)).all()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.sensing.touch.fingertip import add_contact, find_foot
+from cbdsl.sensing.touch.fingertip import add_contact
 
 RADIUS = 0.012
 
@@ -39,14 +39,3 @@ def test_add_contact_without_a_radius_stays_in_the_middle() -> None:
     place = np.ones(3)
     add_contact(np.array([1.0, 2.0, 3.0, 0.1, 0.0, -0.1]), 0.0, place)
     assert place == pytest.approx(np.ones(3))
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_find_foot_of_a_force_beside_the_middle_returns_its_place(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    force = rng.normal(size=3)
-    # A pad beside the origin of its link, across its force.
-    pad = np.cross(force, rng.normal(size=3))
-    foot = np.empty(3)
-    find_foot(np.concatenate([force, np.cross(pad, force)]), foot)
-    assert foot == pytest.approx(pad)

@@ -14,7 +14,6 @@ from cbdsl.sensing.table.chain import MANIPULATOR, carry
 from cbdsl.sensing.table.reading import CameraHeading, Reading, mean, stacked
 from cbdsl.sensing.table.table import RowPart, records_of
 from cbdsl.sensing.table.tips import Tips
-from cbdsl.sensing.touch.fingertip import find_foot
 from cbdsl.sensing.touch.touch import Touch
 from cbdsl.sensing.vision.association.stereo import Ray, triangulate
 from cbdsl.sensing.vision.memory.hold import Content, Hold, find_hold, held_jacobian
@@ -60,10 +59,7 @@ class VisualSignals:
         self._places = {name: place for place, name in enumerate(self._cameras)}
         self._carriers = tuple(touch.carriers.values())
         self._tip_parts = records_of([tips.part(carrier) for carrier in self._carriers])
-        self._cell_links = [
-            [(cell.link, cell.radius) for cell in robot.load_cells[hand].values()]
-            for hand in touch.carriers
-        ]
+        self._fingertips = [[*robot.load_cells[hand].values()] for hand in touch.carriers]
         self._cells = np.array([touch.span(hand) for hand in touch.carriers]).reshape(-1, 2)
         self.reset()
 
@@ -114,25 +110,13 @@ class VisualSignals:
         """Return the middle between touching fingertips, or the mean over hands, m, shape (3,)."""
         assert self._hold is not None
         middles = []
-        for hand, (links, (start, _)) in enumerate(
-            zip(self._cell_links, self._cells.tolist(), strict=True)
-        ):
+        for hand, (start, _) in enumerate(self._cells.tolist()):
             if self._hold.hands >> hand & 1:
-                touching = [i for i in range(len(links)) if self._touch.feeling[start + i]]
-                places = [self._contact(start + i, *links[i]) for i in touching]
+                placed = enumerate(self._fingertips[hand], start)
+                touching = [cell for number, cell in placed if self._touch.feeling[number]]
+                places = [self._kinematics.point(c.link, c.pad).position for c in touching]
                 middles.append(np.mean(places, axis=0))
-        middle: Floats = np.mean(middles, axis=0)
-        return middle
-
-    def _contact(self, cell: int, link: str, radius: float) -> Floats:
-        """Return about where a fingertip touches, m, world frame, shape (3,)."""
-        position: Floats = self._kinematics.frame(link).position
-        if radius:
-            return position
-        # A pad may be far from the origin of its link, and on the line of action of its force.
-        foot = np.empty(3)
-        find_foot(self._touch.loads[cell], foot)
-        return position + foot
+        return np.asarray(np.mean(middles, axis=0))
 
     def heading(self, source: Heading, chains: tuple[Chain, ...]) -> Reading | None:
         """Return the heading in one camera, or the mean over the cameras that see the object.
