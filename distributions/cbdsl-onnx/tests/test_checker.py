@@ -127,7 +127,7 @@ REASONS = {
 
 
 @pytest.mark.parametrize(("model", "reason"), REASONS.values(), ids=REASONS)
-def test_check_of_a_file_that_is_no_usable_model_says_what_it_is(
+def test_check_of_a_file_without_a_usable_model_gives_the_reason(
     model: bytes, reason: str, tmp_path: Path
 ) -> None:
     (finding,) = cbdsl.check(write(tmp_path, "bad", model))

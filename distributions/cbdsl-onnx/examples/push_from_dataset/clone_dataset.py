@@ -121,7 +121,7 @@ class Perceptron(nn.Sequential):
 
 
 class Eye(nn.Module):
-    """Convolutions whose features are the mean places of what they respond to, shape (n, 2 k)."""
+    """Convolutions; a feature is the mean place of its response in the image, shape (n, 2 k)."""
 
     def __init__(self, features: int = 16) -> None:
         super().__init__()
