@@ -8,9 +8,9 @@ with daqp, with the speed limits of the joints, and weigh the right hand 100 to 
 their velocities exactly; this package runs on the kinematic engine.
 
 coal measures the least distance between exact shapes in every tick. A tick without a solution
-stands still and counts as unsolved. A row gives the least distance, cm, the largest motion of a
-joint in the last second, rad, and the final errors of both hands, cm. Episodes run in turn; a time
-is the median of all ticks, us of the processor, and its ratio to this package's.
+stands still and counts as unsolved. A row gives the least distance, cm, and the largest motion of a
+joint in the last second, rad. The final errors of both hands follow, cm. Episodes run in turn; a
+time is the median of all ticks, us of the processor, and its ratio to this package's.
 
     python benchmarks/collision_peers.py --programs 10
 """
@@ -160,7 +160,7 @@ def mink_step(urdf: Path, pairs: set[tuple[str, str]], targets: Targets, q: Floa
             velocity = mink.solve_ik(configuration, tasks, PERIOD, "daqp", limits=limits)
         except mink.NoSolutionFound:
             return None
-        return q + PERIOD * velocity
+        return np.asarray(q + PERIOD * velocity)
 
     return step
 

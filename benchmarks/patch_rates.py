@@ -1,7 +1,7 @@
 """Rates of success before and after the patches that ``cb why --try`` offers, on fresh seeds.
 
-``python benchmarks/patch_rates.py`` damages shipped programs, lets ``cb why`` offer a patch for the
-first failed seed, and runs the damaged and the patched program on 20 seeds that no trial has used.
+``python benchmarks/patch_rates.py`` damages shipped programs and lets ``cb why`` offer a patch for
+the first failed seed. Both programs then run on 20 seeds that no trial has used.
 """
 
 from __future__ import annotations

@@ -120,6 +120,9 @@ def _simplified(corners: Floats) -> ConvexShape:
 def _distances(corners: Floats, hull: Floats) -> Floats:
     """Return the distances of corners (n, 3) from a hull, shape (n,)."""
     points, ends = np.vstack([corners, hull]), np.zeros((2, 3))
-    own = np.array((len(corners), len(points)))
-    each = [closest_points(points, np.array((k, k + 1)), own, ends) for k in range(len(corners))]
+    own, new = np.array((len(corners), len(points))), np.full((4, 2), -1)
+    each = [
+        closest_points(points, np.array((corner, corner + 1)), own, new.copy(), ends)
+        for corner in range(len(corners))
+    ]
     return np.array(each)

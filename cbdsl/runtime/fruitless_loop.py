@@ -27,7 +27,7 @@ _OTHER = 1e-2
 _MEASURED = {Origin.ENVIRONMENT, Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.TRIANGULATION}
 
 
-class _Passed(NamedTuple):
+class _Change(NamedTuple):
     """Transition: its time, s, action and state, and joint positions and signals at its end."""
 
     time: float
@@ -76,7 +76,7 @@ class FruitlessLoop:
 
     def forget(self) -> None:
         """Begin an episode."""
-        self._passed: list[_Passed] = []
+        self._passed: list[_Change] = []
         self._before: list[Sequence[Floats | None]] = []
         self._since = 0.0
 
@@ -90,7 +90,7 @@ class FruitlessLoop:
         Returns:
             Clause on a loop that has changed nothing for too long; empty without one.
         """
-        now = _Passed(self._signals.time, action, state, self._values())
+        now = _Change(self._signals.time, action, state, self._values())
         self._passed = [*self._passed[-2 * _LONGEST :], now]
         size, _ = last_rounds([each[1:3] for each in self._passed], _LONGEST, 2)
         around = self._passed[-1 - size :]
@@ -106,7 +106,7 @@ class FruitlessLoop:
                 return self._clause(around[1:], passed)
         return ""
 
-    def _patience(self, around: Sequence[_Passed]) -> float:
+    def _patience(self, around: Sequence[_Change]) -> float:
         """Return the time, s, for which a round, after the transition before it, may recur."""
         kept = [self._is_same(now.values, old.values) for old, now in pairwise(around)]
         lasts = [now.time - old.time for old, now in pairwise(around)]
@@ -130,7 +130,7 @@ class FruitlessLoop:
             if value is None or value.size
         )
 
-    def _clause(self, loop: Sequence[_Passed], passed: float) -> str:
+    def _clause(self, loop: Sequence[_Change], passed: float) -> str:
         """Return the loop and the signals that stayed undefined as a clause."""
         actions = dict.fromkeys(each.action for each in loop)
         names = [self._program.steps.get(action, action) for action in actions]

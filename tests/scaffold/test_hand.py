@@ -54,7 +54,7 @@ def test_hand_without_opposite_fingers_has_no_pads() -> None:
         ("robots/panda.urdf", "panda_hand", (0.0, 0.0, 0.1034)),
     ],
 )
-def test_span_of_sliding_fingers_is_what_fits_between_their_pads(
+def test_span_of_sliding_fingers_is_distance_between_pads(
     name: str, link: str, offset: tuple[float, ...]
 ) -> None:
     model = read(name)
