@@ -18,7 +18,7 @@ OFFERS = {
 }
 # Speed of pads that take an object from the other gripper, and distance from it.
 TAKES = {
-    "touch": "4 N", "hold": "50 N", "take": "50 N", "soft": "1 cm/s", "meeting": "0 mm",
+    "touch": "4 N", "hold": "4 N", "take": "18 N", "keep": "18 N", "soft": "1 cm/s", "meeting": "0 mm",
 }  # fmt: skip
 # Crosswise grippers do not meet: the pads of one close along the x axis of its tip.
 TIP = """
@@ -84,7 +84,7 @@ def _doubled(panda: dict[str, Any]) -> dict[str, Any]:
     for key in ("surfaces", "no_contact"):
         simulation[key] = [_of(side, each) for side in SIDES for each in simulation[key]]
     simulation["efforts"] = {
-        name.replace("panda", side): 7 * effort
+        name.replace("panda", side): 2 * effort
         for side in SIDES
         for name, effort in simulation["efforts"].items()
     }
