@@ -26,7 +26,7 @@ from cbdsl_reproduction.judges.judge import (
 )
 
 if TYPE_CHECKING:
-    from cbdsl import SimulatedRobot
+    from cbdsl import RunRequest, SimulatedRobot
 
 _ALL = (*CLAIMS, *ON_OTHER_ROBOTS)
 _BY_NAME = {claim.name: claim for claim in _ALL}
