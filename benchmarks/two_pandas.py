@@ -16,9 +16,11 @@ OFFERS = {
     "left": {"side": "0 cm", "turn": "-69.282 deg", "away": "20 cm"},
     "right": {"side": "0 cm", "turn": "69.282 deg", "away": "-20 cm"},
 }
-# Speed of pads that take an object from the other gripper, and distance from it.
+# The giving gripper holds weakly, so that the object slides to the middle between the pads that take
+# it; their forces, speed, and distance from the giving gripper.
 TAKES = {
-    "touch": "4 N", "hold": "4 N", "take": "18 N", "keep": "18 N", "soft": "1 cm/s", "meeting": "0 mm",
+    "touch": "4 N", "hold": "4 N", "take": "18 N", "keep": "18 N",
+    "soft": "1 cm/s", "meeting": "0 mm",
 }  # fmt: skip
 # Crosswise grippers do not meet: the pads of one close along the x axis of its tip.
 TIP = """
