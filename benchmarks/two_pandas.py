@@ -16,8 +16,8 @@ OFFERS = {
     "left": {"side": "0 cm", "turn": "-69.282 deg", "away": "20 cm"},
     "right": {"side": "0 cm", "turn": "69.282 deg", "away": "-20 cm"},
 }
-# The giving gripper holds weakly, so that the object slides to the middle between the pads that take
-# it; their forces, speed, and distance from the giving gripper.
+# The giving gripper holds weakly, so that the object slides to the middle between the pads that
+# take it; their forces, speed, and distance from the giving gripper.
 TAKES = {
     "touch": "4 N", "hold": "4 N", "take": "18 N", "keep": "18 N",
     "soft": "1 cm/s", "meeting": "0 mm",
