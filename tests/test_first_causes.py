@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from pathlib import Path
 
 import pytest
-from first_causes import CauseVerdict, table, verdicts, written
+from first_causes import CauseVerdict, explained, kept, recorded, table, written
 from injected_causes import DEVELOPED, JUDGED, Injection
 
 import cbdsl
@@ -50,7 +51,11 @@ def test_table_counts_failed_episodes_by_kind() -> None:
     assert rows[7].startswith("| published, 1 kinds | 2 | 1 of 2")
 
 
-def test_verdict_on_an_unseen_object_is_right() -> None:
-    (injection,) = [each for each in DEVELOPED if each.kind == "never_seen"]
-    (verdict,) = verdicts(injection, (0,), "kinematic")
+def test_verdict_on_an_unseen_object_is_right(tmp_path: Path) -> None:
+    (index,) = [place for place, each in enumerate(DEVELOPED) if each.kind == "never_seen"]
+    options = argparse.Namespace(backend="kinematic", time=90.0)
+    row = recorded(DEVELOPED, index, 0, options, tmp_path)
+    assert [*kept(tmp_path, [index])] == [row]
+    assert [*kept(tmp_path, [index + 1])] == []
+    verdict = explained(DEVELOPED[index], tmp_path / row.file, row.begin)
     assert (verdict.failed, verdict.named) == (True, "never_seen")
