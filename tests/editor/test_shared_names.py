@@ -41,7 +41,7 @@ def at(here: Path, file: str, mark: str) -> tuple[Buffers, Path, Cursor]:
     ("mark", "file", "start"),
     [
         ("background: sea", "looking", "search(model):"),
-        ("  hold: ho", "holding", "hold(hand, force):"),
+        ("  hold: ho", "holding", "hold(hand, force, shut):"),
         ("looking: [sea", "looking", "search(model):"),
     ],
 )

@@ -64,7 +64,10 @@ def test_changed_inputs_names_a_program_and_the_shared_document_that_changed_it(
     file.write_text(text.replace(*unused), "utf-8")
     assert changed(folder) == []
     file.write_text(text.replace(*used), "utf-8")
-    assert changed(folder) == ["program pick_and_place", "shared looking"]
+    # Others may have changed since the program was learned, without effect on it.
+    program, *shared = changed(folder)
+    assert program == "program pick_and_place"
+    assert "shared looking" in shared and "shared moving" not in shared
 
 
 def test_changed_inputs_of_relations_names_the_earlier_ones(folder: Path) -> None:

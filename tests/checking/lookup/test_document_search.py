@@ -23,7 +23,7 @@ PROGRAM = (
 )
 
 #: Stages for any robot.
-ANY = ("cube_on_bench", "over_bench")
+ANY = ("cube_and_pad", "cube_on_bench", "cubes_to_stack", "over_bench")
 
 
 @pytest.fixture

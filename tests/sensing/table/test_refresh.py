@@ -121,11 +121,15 @@ def normal_forces(case: Case, model: Kinematics, loads: Floats) -> Floats:
     source = resources(robot)[case.of].source
     assert isinstance(source, FingerForces)
     first = list(robot.load_cells).index(source.hand) * len(robot.load_cells[source.hand])
+    cells = [*robot.load_cells[source.hand].values()]
     normals = [
         model.frame(cell.link).rotation @ np.array(cell.normal) / np.linalg.norm(cell.normal)
-        for cell in robot.load_cells[source.hand].values()
+        for cell in cells
     ]
-    return np.array([n @ loads[first + i, :3] for i, n in enumerate(normals)])
+    felt = np.array([n @ loads[first + i, :3] for i, n in enumerate(normals)])
+    # One joint cannot change the difference of the fingers that it flexes equally.
+    drives = [(cell.joint, cell.share) for cell in cells]
+    return np.array([felt[[other == own for other in drives]].mean() for own in drives])
 
 
 def tip_of(robot: RobotDocument, effector: str) -> tuple[str, tuple[float, float, float]]:
