@@ -22,7 +22,7 @@ class NearestLinks:
     """Least distance between the links that an effector moves and other bodies.
 
     Pairs are left out as for a clearance. Pairs that are about as near as the nearest one share in
-    the slope, since a level would otherwise push to and fro between them.
+    the slope, since a level would otherwise push back and forth between them.
 
     Attributes:
         pair: Names of the links that were nearest at the last measurement.
