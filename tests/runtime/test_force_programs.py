@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -17,7 +14,6 @@ from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.tick import Tick
-from tests.conftest import ROOT
 
 
 @pytest.mark.slow
@@ -92,8 +88,13 @@ def test_take_with_both_lifts_an_object_too_large_for_one_hand(thing: str) -> No
 @pytest.mark.parametrize("giver", ["right", "left"])
 def test_thing_is_handed_over_in_either_direction(giver: str) -> None:
     """From hand to hand: at last the other one alone touches it, high above the table."""
-    taker = "left" if giver == "right" else "right"
-    request = load("handover", values={"arm": f"{giver}_arm"})
+    taker, side = ("left", -1) if giver == "right" else ("right", 1)
+    values = {
+        "arm": f"{giver}_arm", "hand": f"{giver}_hand",
+        "to_arm": f"{taker}_arm", "to_hand": f"{taker}_hand",
+        "side": f"{10 * side} cm", "turn": f"{-69.282 * side} deg", "away": f"{20 * side} cm",
+    }  # fmt: skip
+    request = load("handover", values=values)
     with simulation(request, "bullet", cameras="ideal") as (backend, kinematics):
         truth = backend.truth
         runner = Runner(request.robot, kinematics, request.program, backend)
@@ -118,27 +119,6 @@ def test_empty_hand_has_nothing_to_put_down(arm: str) -> None:
         f"Failed after {result.sim_seconds:.1f} s in state --XX: "
         "hold felt nothing, and place and hold_down($arm, hold) require it."
     )
-
-
-@pytest.mark.slow
-def test_gripper_hands_a_cube_over_to_another_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The same program with two Pandas: at last the left gripper alone holds the cube."""
-    pytest.importorskip("mujoco")
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    importlib.import_module("two_pandas").write_two_pandas(ROOT / "robots", tmp_path / "robots")
-    monkeypatch.chdir(tmp_path)
-    request = load("handover", robot="two_pandas")
-    with simulation(request, "mujoco", cameras="ideal") as (backend, kinematics):
-        truth = backend.truth
-        runner = Runner(request.robot, kinematics, request.program, backend)
-        result = runner.run(request.stage, 106)
-        assert result.outcome == "success", result.ending
-        assert {hand for hand, _ in truth.touching("cube")} == {"left_hand"}
-        place = truth.pose("cube").position
-        assert place[2] > 0.3
-        assert np.linalg.norm(place - truth.link_pose("right_hand").position) > 0.2
 
 
 @pytest.mark.slow

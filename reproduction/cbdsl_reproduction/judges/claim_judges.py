@@ -328,7 +328,6 @@ class ProgramClaim(NamedTuple):
         judge: Function that returns why a claim is false, empty if it is true.
         contexts: Contexts of the stage; all if empty.
         values: Values of the program's parameters, by context.
-        robot: Name of the robot, for programs over roles; that of the stage if empty.
     """
 
     program: str
@@ -336,12 +335,6 @@ class ProgramClaim(NamedTuple):
     judge: Judge
     contexts: tuple[str, ...] = ()
     values: Callable[[str], Mapping[str, str]] = lambda context: {}
-    robot: str = ""
-
-    @property
-    def name(self) -> str:
-        """Name of the condition: the program, and its robot if that is another one."""
-        return f"{self.program} on {self.robot}" if self.robot else self.program
 
 
 _CHANNELS = {"blue_box": "blue", "purple_box": "hue_9", "basketball": "red", "football": "green"}
@@ -420,14 +413,6 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("transport_hand", "wall_right", reached),
     ProgramClaim("visualinspect", "spotted_right", looked_at),
     ProgramClaim("watch_for_motion", "shaken", looked_at),
-)
-
-#: Claims of programs over roles on other robots.
-ON_OTHER_ROBOTS: Sequence[ProgramClaim] = (
-    ProgramClaim("pick_and_lift", "cube_on_bench", raised, robot="panda"),
-    ProgramClaim("pick_and_place", "cube_and_pad", Placed(0.03, is_released=False), robot="panda"),
-    ProgramClaim("stack", "cubes_to_stack", stands, robot="panda"),
-    ProgramClaim("take_and_put_down", "cube_on_bench", put_down, values=_red, robot="panda"),
 )
 
 #: Claims by the names of their programs.
