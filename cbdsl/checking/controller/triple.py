@@ -52,23 +52,23 @@ def in_task_units(
     For the force of a hand, K is multiplied by the number of fingers. A spring moves by half its
     error, so that a gain of g m/s per N equals a gain of 2 K g per second.
     """
-    written = {key: value for key in _OF_TIPS if (value := _of_tips(context, steps, key))}
+    stated = {key: value for key in _OF_TIPS if (value := _of_tips(context, steps, key))}
     # It is the task's own, or that of joints that slide.
     if feedback.type.name != "force" or (effector.type.name, effector.type.unit) == _SLIDING:
-        written.pop("speed", None)
-    if not written:
+        stated.pop("speed", None)
+    if not stated:
         return settings
     problem = _problem(feedback, effector)
-    for key, value in written.items():
+    for key, value in stated.items():
         if problem:
             place = context.source.place(*steps, key)
             context.add("CB594", place, value=value, problem=problem)
     if problem:
         return UNKNOWN
     stiffness = _stiffness(context.body.document, feedback)
-    if "gain" in written:
+    if "gain" in stated:
         settings = settings._replace(gain=2.0 * stiffness * settings.gain)
-    return settings._replace(tip_stiffness=stiffness) if "speed" in written else settings
+    return settings._replace(tip_stiffness=stiffness) if "speed" in stated else settings
 
 
 def _stiffness(robot: RobotDocument, feedback: Resource) -> float:

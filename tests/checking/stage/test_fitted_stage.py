@@ -72,7 +72,7 @@ def test_measure_that_no_length_follows_from_is_one_finding(
 def test_stage_for_any_robot_fits_first_robot_with_its_parts(
     hand: str, codes: list[str], tmp_path: Path
 ) -> None:
-    """The first robot at hand with a span has two arms; another one has an ``arm``."""
+    # The first robot at hand with a span has two arms; another one has an ``arm``.
     path = tmp_path / "stage.yaml"
     path.write_text(
         "cbdsl: 1\nkind: stage\nname: stage\nrobot: any\n"
