@@ -146,3 +146,23 @@ def test_place_named_like_a_link_is_a_place_of_the_world(
         pairs, same = links.arrays.pairs, first.arrays.pairs
         for key in ("first", "second", "near", "distance"):
             np.testing.assert_array_equal(pairs[key], same[key])
+
+
+def test_shape_of_fine_mesh_covers_its_corners_with_few(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    ways = rng.normal(size=(300, 3))
+    corners = 0.1 * ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    text = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in corners]
+    text += [f"f {k + 1} {k + 2} {k + 3}" for k in range(len(corners) - 2)]
+    (tmp_path / "ball.obj").write_text("\n".join(text))
+    file = tmp_path / "arm.urdf"
+    file.write_text(
+        '<robot name="arm"><link name="base"><collision><geometry><mesh filename="ball.obj"/>'
+        "</geometry></collision></link></robot>"
+    )
+    (shape,) = link_shapes(read_urdf(file))["base"]
+    assert 4 <= len(shape.points) <= 32
+    assert 0.0 < shape.radius == shape.deviation < 0.05
+    # The hull of the kept corners, grown by the radius, has a support no smaller than the mesh's.
+    for way in ways / np.linalg.norm(ways, axis=1, keepdims=True):
+        assert (shape.points @ way).max() + shape.radius >= (corners @ way).max() - 1e-5
