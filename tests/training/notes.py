@@ -35,5 +35,6 @@ def until(so: Callable[[], Any]) -> None:
 
 
 def episodes(task: LearningTask) -> int:
-    """Return the number of finished episodes of a task."""
-    return task.journal.read_bytes().count(b"\n") - 1 if task.journal.exists() else 0
+    """Return the number of finished episodes of a task, whose journal begins with a head."""
+    lines = task.journal.read_bytes().count(b"\n") if task.journal.exists() else 0
+    return max(lines - 1, 0)
