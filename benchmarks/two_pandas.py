@@ -11,6 +11,24 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.library import Library
 
 SIDES = {"left": 0.4, "right": -0.4}
+# Where an arm offers an object to the other one, the turn of its tip then, and its way back.
+OFFERS = {
+    "left": {"side": "0 cm", "turn": "-69.282 deg", "away": "20 cm"},
+    "right": {"side": "0 cm", "turn": "69.282 deg", "away": "-20 cm"},
+}
+# The giving gripper holds weakly, so that the object slides to the middle between the pads that
+# take it; their forces, speed, and distance from the giving gripper.
+TAKES = {
+    "touch": "4 N", "hold": "4 N", "take": "18 N", "keep": "18 N",
+    "soft": "1 cm/s", "meeting": "0 mm",
+}  # fmt: skip
+# Crosswise grippers do not meet: the pads of one close along the x axis of its tip.
+TIP = """
+  <link name="right_tip"/>
+  <joint name="right_tip_joint" type="fixed">
+    <parent link="right_hand"/><child link="right_tip"/>
+    <origin xyz="0 0 0" rpy="0 0 1.570796327"/>
+  </joint>"""
 CAMERA = """
   <link name="{side}_camera"/>
   <joint name="{side}_camera_joint" type="fixed">
@@ -38,6 +56,7 @@ def write_two_pandas(shipped: Path, folder: Path) -> None:
         parts.append(re.sub(r"panda_", f"{side}_", arm))
     for side, y, yaw in (("left", -0.2, 2.9), ("right", 0.2, -2.9)):
         parts.append(CAMERA.format(side=side, y=y, yaw=yaw))
+    parts.append(TIP)
     (folder / "two_pandas.urdf").write_text("\n".join([*parts, "</robot>\n"]), "utf-8")
     panda: Any = Library().read(shipped / "panda.yaml", RobotDocument).source.root.plain()
     # JSON is YAML.
@@ -57,13 +76,17 @@ def _doubled(panda: dict[str, Any]) -> dict[str, Any]:
             for side in SIDES
             for name, each in panda[key].items()
         }
+    double["effectors"]["right_arm"]["tip"]["link"] = "right_tip"
+    for side in SIDES:
+        double["effectors"][f"{side}_arm"]["values"] |= OFFERS[side]
+        double["effectors"][f"{side}_hand"]["values"] |= TAKES
     for camera in double["cameras"].values():
         camera["focal_length"] = "210 px"
     simulation = double["simulation"]
     for key in ("surfaces", "no_contact"):
         simulation[key] = [_of(side, each) for side in SIDES for each in simulation[key]]
     simulation["efforts"] = {
-        name.replace("panda", side): effort
+        name.replace("panda", side): 2 * effort
         for side in SIDES
         for name, effort in simulation["efforts"].items()
     }

@@ -14,6 +14,7 @@ from cbdsl.documents.program import PROGRAM
 from cbdsl_reproduction.judges.claim_judges import (
     CLAIMS,
     NOTHING_TO_CLAIM,
+    ON_OTHER_ROBOTS,
     ClaimWatch,
     Placed,
     ProgramClaim,
@@ -128,6 +129,15 @@ def test_no_claim_of_a_shipped_program_is_false(program: str) -> None:
     if not is_claimed and program not in RARELY:  # a claim needs some luck with a hard program
         verdicts += judged(program, contexts, 52_101)
         assert any(verdict.outcomes["claimed"] for verdict in verdicts)
+    assert [(v.context, v.ending) for v in verdicts if v.outcomes["false claim"]] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("claim", ON_OTHER_ROBOTS, ids=lambda claim: claim.name)
+def test_claim_on_another_robot_agrees_with_the_world(claim: ProgramClaim) -> None:
+    body = BodyChoice("mujoco", "ideal")
+    verdicts = list(judge_claims(claim, body, [52_100, 52_101], contexts_of(claim)))
+    assert any(verdict.outcomes["claimed"] for verdict in verdicts)
     assert [(v.context, v.ending) for v in verdicts if v.outcomes["false claim"]] == []
 
 

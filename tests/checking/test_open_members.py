@@ -45,6 +45,7 @@ def test_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Allocati
         "left_arm",
         "right_arm",
         "left_arm_handover",
+        "right_arm_handover",
         "left_arm_bimanualtouch",
         "left_arm_take",
         "right_arm_take",
@@ -57,13 +58,13 @@ def test_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Allocati
     assert taking.program is not None and taking.program.name == "handover"
     # The substitute uses the same feature, and hands the object to the carrying hand.
     assert taking.program.parameters["feature"] == "red"
-    assert taking.program.parameters["to_hand"] == "left_hand"
+    assert taking.program.parameters["hand"] == "left_hand"
 
 
 @pytest.mark.parametrize(
     ("arm", "program", "reason"),
     [
-        ("right_arm", "handover", "goes by right_hand.finger_forces"),
+        ("right_arm", "bimanualtouch", "goes by right_hand.finger_forces"),
         ("left_arm", "pick_and_lift", "does not end with its rewarded signals"),
         ("left_arm", "tactileprobe", "does not go by stereo.red"),
         ("right_arm", "reachtouch", "'grasp' uses 'reachtouch' itself"),

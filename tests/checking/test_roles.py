@@ -81,6 +81,29 @@ def test_other_effector_differs_from_any_first_one(tmp_path: Path) -> None:
         check_program(path, {"robot": "desk"})
 
 
+@pytest.mark.parametrize(
+    ("arm", "from_arm", "side", "turn", "away"),
+    [
+        ("left_arm", "right_arm", "-10 cm", "69.282 deg", "-20 cm"),
+        ("right_arm", "left_arm", "10 cm", "-69.282 deg", "20 cm"),
+    ],
+)
+def test_handover_goes_from_other_arm_to_given_one(
+    arm: str, from_arm: str, side: str, turn: str, away: str
+) -> None:
+    bound = check_program("handover", {"robot": "dexter", "arm": arm}).parameters
+    assert bound["from_arm"] == from_arm
+    assert [bound[each].replace("arm", "hand") for each in ("arm", "from_arm")] == [
+        bound["hand"], bound["from_hand"],
+    ]  # fmt: skip
+    assert [bound[each] for each in ("side", "turn", "away")] == [side, turn, away]
+
+
+def test_handover_needs_two_arms() -> None:
+    with pytest.raises(DiagnosticsError, match="'arm' is in both roles 'arm' and 'from_arm'"):
+        check_program("handover", {"robot": "panda"})
+
+
 def test_broken_robot_is_a_reason_only_against_itself(tmp_path: Path) -> None:
     path = program(tmp_path, "{arm: effector of position}", BOTH.replace(OPEN, READY))
     broken = tmp_path / "robots" / "broken.yaml"

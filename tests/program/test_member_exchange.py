@@ -27,7 +27,7 @@ def test_exchange_of_a_member_keeps_its_compositions(checked: Checked) -> None:
 
 def test_signals_at_the_end_are_those_of_the_last_action(checked: Checked) -> None:
     handover, lifted = checked("handover"), checked("pick_and_lift")
-    assert {each.signal for each in signals_at_its_end(handover)} == {"left_hand.finger_forces"}
+    assert {each.signal for each in signals_at_its_end(handover)} == {"right_hand.finger_forces"}
     assert earned_signals(lifted) and not signals_at_its_end(lifted)
     assert signals_at_its_end(checked("reachtouch")) == earned_signals(checked("reachtouch"))
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -14,6 +17,7 @@ from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.tick import Tick
+from tests.conftest import ROOT
 
 
 @pytest.mark.slow
@@ -88,13 +92,8 @@ def test_take_with_both_lifts_an_object_too_large_for_one_hand(thing: str) -> No
 @pytest.mark.parametrize("giver", ["right", "left"])
 def test_thing_is_handed_over_in_either_direction(giver: str) -> None:
     """From hand to hand: at last the other one alone touches it, high above the table."""
-    taker, side = ("left", -1) if giver == "right" else ("right", 1)
-    values = {
-        "arm": f"{giver}_arm", "hand": f"{giver}_hand",
-        "to_arm": f"{taker}_arm", "to_hand": f"{taker}_hand",
-        "side": f"{10 * side} cm", "turn": f"{-69.282 * side} deg", "away": f"{20 * side} cm",
-    }  # fmt: skip
-    request = load("handover", values=values)
+    taker = "left" if giver == "right" else "right"
+    request = load("handover", values={"arm": f"{taker}_arm"})
     with simulation(request, "bullet", cameras="ideal") as (backend, kinematics):
         truth = backend.truth
         runner = Runner(request.robot, kinematics, request.program, backend)
@@ -122,10 +121,31 @@ def test_empty_hand_has_nothing_to_put_down(arm: str) -> None:
 
 
 @pytest.mark.slow
+def test_gripper_hands_a_cube_over_to_another_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same program with two Pandas: at last the left gripper alone holds the cube."""
+    pytest.importorskip("mujoco")
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    importlib.import_module("two_pandas").write_two_pandas(ROOT / "robots", tmp_path / "robots")
+    monkeypatch.chdir(tmp_path)
+    request = load("handover", robot="two_pandas", values={"arm": "left_arm"})
+    with simulation(request, "mujoco", cameras="ideal") as (backend, kinematics):
+        truth = backend.truth
+        runner = Runner(request.robot, kinematics, request.program, backend)
+        result = runner.run(request.stage, 106)
+        assert result.outcome == "success", result.ending
+        assert {hand for hand, _ in truth.touching("cube")} == {"left_hand"}
+        place = truth.pose("cube").position
+        assert place[2] > 0.3
+        assert np.linalg.norm(place - truth.link_pose("right_hand").position) > 0.2
+
+
+@pytest.mark.slow
 def test_handover_takes_a_fallen_object_again() -> None:
     """Put the cube back onto the table while the hands come together."""
     pytest.importorskip("mujoco")
-    request = load("handover")
+    request = load("handover", values={"arm": "left_arm"})
     with simulation(request, "mujoco", cameras="ideal") as (backend, kinematics):
         truth, fetched = backend.truth, []
 

@@ -328,6 +328,7 @@ class ProgramClaim(NamedTuple):
         judge: Function that returns why a claim is false, empty if it is true.
         contexts: Contexts of the stage; all if empty.
         values: Values of the program's parameters, by context.
+        robot: Name of the robot, for programs over roles; that of the stage if empty.
     """
 
     program: str
@@ -335,9 +336,20 @@ class ProgramClaim(NamedTuple):
     judge: Judge
     contexts: tuple[str, ...] = ()
     values: Callable[[str], Mapping[str, str]] = lambda context: {}
+    robot: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the condition: the program, and its robot if that is another one."""
+        return f"{self.program} on {self.robot}" if self.robot else self.program
 
 
 _CHANNELS = {"blue_box": "blue", "purple_box": "hue_9", "basketball": "red", "football": "green"}
+
+
+def _to_left(_: str) -> Mapping[str, str]:
+    """Return the receiving arm of a handover."""
+    return {"arm": "left_arm"}
 
 
 def _red(_: str) -> Mapping[str, str]:
@@ -384,7 +396,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("find_by_touch", "lights_out", touched, _DARK),
     ProgramClaim("find_the_other", "two_red_balls", other_touched),
     ProgramClaim("grasp", "everyday_objects", grasped),
-    ProgramClaim("handover", "things_to_give", in_left_hand, _TO_GIVE),
+    ProgramClaim("handover", "things_to_give", in_left_hand, _TO_GIVE, _to_left),
     ProgramClaim("impedance", "other_pairs", set_on, _SET),
     ProgramClaim("let_go", "large_on_table", untouched),
     ProgramClaim("notice", "something_new", looked_at, ("before_the_window", "elsewhere")),
@@ -413,6 +425,14 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("transport_hand", "wall_right", reached),
     ProgramClaim("visualinspect", "spotted_right", looked_at),
     ProgramClaim("watch_for_motion", "shaken", looked_at),
+)
+
+#: Claims of programs over roles on other robots.
+ON_OTHER_ROBOTS: Sequence[ProgramClaim] = (
+    ProgramClaim("pick_and_lift", "cube_on_bench", raised, robot="panda"),
+    ProgramClaim("pick_and_place", "cube_and_pad", Placed(0.03, is_released=False), robot="panda"),
+    ProgramClaim("stack", "cubes_to_stack", stands, robot="panda"),
+    ProgramClaim("take_and_put_down", "cube_on_bench", put_down, values=_red, robot="panda"),
 )
 
 #: Claims by the names of their programs.

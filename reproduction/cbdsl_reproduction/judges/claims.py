@@ -6,11 +6,16 @@ its reward, or as done. A missing claim is not a fault here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cbdsl import load, simulate
-from cbdsl_reproduction.judges.claim_judges import CLAIMS, ClaimWatch, ProgramClaim
+from cbdsl_reproduction.judges.claim_judges import (
+    CLAIMS,
+    ON_OTHER_ROBOTS,
+    ClaimWatch,
+    ProgramClaim,
+)
 from cbdsl_reproduction.judges.judge import (
     ANY,
     NONE,
@@ -21,14 +26,19 @@ from cbdsl_reproduction.judges.judge import (
 )
 
 if TYPE_CHECKING:
-    from cbdsl import SimulatedRobot
+    from cbdsl import RunRequest, SimulatedRobot
 
-_BY_PROGRAM = {claim.program: claim for claim in CLAIMS}
+_ALL = (*CLAIMS, *ON_OTHER_ROBOTS)
+_BY_NAME = {claim.name: claim for claim in _ALL}
 
 
 def contexts_of(claim: ProgramClaim) -> Sequence[str]:
     """Return the contexts in which a claim is judged."""
-    return claim.contexts or tuple(load(claim.program, stage=claim.stage).stage.contexts)
+    return claim.contexts or tuple(_load(claim, {}).stage.contexts)
+
+
+def _load(claim: ProgramClaim, values: Mapping[str, str]) -> RunRequest:
+    return load(claim.program, stage=claim.stage, values=values, robot=claim.robot or None)
 
 
 def judge_claims(
@@ -36,7 +46,7 @@ def judge_claims(
 ) -> Iterator[EpisodeVerdict]:
     """Yield the verdict on each episode of a program in some contexts."""
     for context in contexts:
-        request = load(claim.program, stage=claim.stage, values=claim.values(context))
+        request = _load(claim, claim.values(context))
         with simulate(request, backend=body.backend, cameras=body.cameras) as simulated:
             for seed in seeds:
                 yield _judge_episode(claim, simulated, context, seed)
@@ -68,7 +78,7 @@ def _judge_episode(
 def _measure(
     condition: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
 ) -> Iterator[EpisodeVerdict]:
-    claim = _BY_PROGRAM[condition.name]
+    claim = _BY_NAME[condition.name]
     yield from judge_claims(claim, body, seeds, contexts_of(claim))
 
 
@@ -77,9 +87,9 @@ JUDGE = Judge(
     "claims of success of each shipped program, in each context of a stage",
     tuple(
         JudgedCondition(
-            claim.program, claim.program, {"claimed": ANY, "false claim": NONE}, claim.stage
+            claim.name, claim.program, {"claimed": ANY, "false claim": NONE}, claim.stage
         )
-        for claim in CLAIMS
+        for claim in _ALL
     ),
     _measure,
     BodyChoice("mujoco", "ideal"),

@@ -21,13 +21,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_VALUES = {
-    "right": {},
-    "left": {
-        "arm": "left_arm", "hand": "left_hand", "to_arm": "right_arm", "to_hand": "right_hand",
-        "side": "10 cm", "turn": "-69.282 deg", "away": "20 cm",
-    },
-}  # fmt: skip
 _OTHER = {"right": "left", "left": "right"}
 # Largest slip in the receiving hand, least height above the table's top, and least distance from
 # the giving hand's palm, m.
@@ -99,7 +92,7 @@ JUDGE = Judge(
             "handover",
             {"handed over": Aim(least), "reported wrongly": ANY},
             context=f"{thing}_{giver}",
-            values=_VALUES[giver],
+            values={"arm": f"{_OTHER[giver]}_arm"},
         )
         for thing, least in (("ball", 0.95), ("cube", 0.9), ("cylinder", 0.9))
         for giver in ("right", "left")
