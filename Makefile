@@ -61,7 +61,7 @@ pages:
 
 # The slow ones run episodes on the simulator.
 tests:
-	$(BIN)pytest -n auto --durations=12 --durations-min=5 -m "$(MARK)"
+	$(BIN)pytest -n auto --durations=40 --durations-min=20 -m "$(MARK)"
 
 # Every single fault that can be put into a shipped document, which the tests sample: a quarter of an
 # hour.

@@ -27,5 +27,5 @@ def test_validate_finds_faulty_steps_of_a_few_mutants() -> None:
 
 
 @pytest.mark.slow
-def test_validate_finds_faulty_steps_of_300_mutants() -> None:
-    assert check(300, seed=3) > 30
+def test_validate_finds_faulty_steps_of_100_mutants() -> None:
+    assert check(100, seed=3) > 10

@@ -155,7 +155,7 @@ def test_joints_that_hold_a_level_rest_at_their_limits(seed: int, period: float)
 @pytest.mark.slow
 def test_nearly_all_stacks_on_random_arms_come_to_rest() -> None:
     """Few leave a saddle of the error after 15 s, ever faster; none of the others moves."""
-    outcomes = [settle(stretched(seed)) for seed in range(1000, 1150)]
+    outcomes = [settle(stretched(seed)) for seed in range(1000, 1070)]
     assert np.mean([outcome.swing <= STILL / 4 for outcome in outcomes]) >= 0.99
     assert np.mean([outcome.motion <= STILL for outcome in outcomes]) >= 0.97
 

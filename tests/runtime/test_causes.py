@@ -94,5 +94,5 @@ def test_endings_of_reaches_state_nothing_false(arm: int, monkeypatch: pytest.Mo
 @pytest.mark.slow
 def test_endings_of_many_reaches_state_nothing_false(monkeypatch: pytest.MonkeyPatch) -> None:
     false: list[str] = []
-    seen, _ = judge(monkeypatch).endings(range(50, 54), 10, false.append)
+    seen, _ = judge(monkeypatch).endings(range(50, 54), 5, false.append)
     assert not false and len(seen) >= 3

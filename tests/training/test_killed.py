@@ -84,7 +84,7 @@ def killed(folder: Path, more: int, later: float, learn: list[str]) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("learn", "often"),
-    [(LEARN, 20), (ASSIMILATE, 20), (EXCHANGE, 8)],
+    [(LEARN, 12), (ASSIMILATE, 8), (EXCHANGE, 4)],
     ids=["accommodate", "assimilate", "exchange"],
 )
 def test_repeatedly_killed_trial_ends_with_the_same_documents(

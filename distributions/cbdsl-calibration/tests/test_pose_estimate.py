@@ -86,7 +86,7 @@ def test_stated_deviations_are_those_of_many_estimates(
     dexter: RobotDocument, showing: Showing, noise: float, lasting: float
 ) -> None:
     errors, stated = [], []
-    for seed in range(12):
+    for seed in range(6):
         true = draw_corrections(np.random.default_rng(seed), 0.002, 0.01, CAMERAS)
         found = estimate(dexter.cameras, showing(seed).views(true, 60, noise, lasting))
         for name in CAMERAS:
