@@ -371,6 +371,28 @@ def test_curvature_is_the_weighted_sum_of_hessians(rng: np.random.Generator) -> 
     np.testing.assert_allclose(found, before - 3.0 * np.tensordot(weights, hessians, 1))
 
 
+@pytest.mark.parametrize("weight", [-2.0, -1.0, -0.5, -0.0, 0.5, 1.0, 2.0])
+def test_curvature_counts_a_hessian_of_any_weight(weight: float, rng: np.random.Generator) -> None:
+    hessians, found = rng.normal(size=(2, 3, 3)), np.zeros((3, 3))
+    add_curvature_of(hessians, np.array([weight, 3.0]), 2.0, found)
+    np.testing.assert_allclose(found, 2.0 * weight * hessians[0] + 6.0 * hessians[1])
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-7, 1e-14])
+def test_resisted_directions_span_a_curvature_in_any_unit(
+    unit: float, rng: np.random.Generator
+) -> None:
+    """Rounding is a share of the largest curvature, with some joints that bend nothing."""
+    guards, none = np.array([0.0, 1e-6, 1.0]), np.zeros(0)
+    for rank in (1, 2, 4):
+        curvature = np.zeros((6, 6))
+        frame = np.linalg.qr(rng.normal(size=(4, 4)))[0][:rank]
+        curvature[1:5, 1:5] = unit * frame.T @ np.diag(rng.uniform(1.0, 2.0, rank)) @ frame
+        _, resisted = step_of(curvature, none, none, guards, Way(0.0, 1.0, 0.0, 1.0))
+        assert len(resisted) == rank
+        np.testing.assert_allclose(resisted.T @ resisted, curvature, atol=1e-9 * unit)
+
+
 def test_least_resisted_stiffness_is_a_share_of_the_bounded_error() -> None:
     assert least_resisted_of(Way(0.004, 0.05, 9.0, 1.0)) == pytest.approx(0.08e-3)
     assert 0.0 < least_resisted_of(Way(0.0, 0.5, 0.0, 1.0)) < 1e-12
