@@ -12,13 +12,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.public_models import models
 from cbdsl.backends.bullet.articulation import BulletRobot
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.link_mass import LinkMass, link_masses
 from cbdsl.kinematics.pose import Pose
 from cbdsl.robot.chains import root
 from cbdsl.robot.unsupported_joint import unsupported
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl_mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 
@@ -96,6 +97,24 @@ def assert_engines_agree(model: UrdfModel) -> None:
 @pytest.mark.parametrize("file", PUBLIC)
 def test_link_masses_of_public_models_are_equal_on_all_engines(file: str) -> None:
     assert_engines_agree(read_urdf(DATA / file))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "file"), list(models()), ids=lambda each: str(each).rpartition("/")[2]
+)
+def test_link_masses_of_sixty_public_models_are_equal_on_all_engines(
+    name: str, file: Path | None
+) -> None:
+    if file is None:
+        pytest.skip(f"pip install --no-deps {name.partition(':')[0]}")
+    try:
+        model = read_urdf(file)
+    except UrdfError as error:
+        pytest.skip(f"it is no URDF: {error}")
+    if all(unsupported(joint) for joint in model.joints.values()):
+        pytest.skip("no joint can be driven")
+    assert_engines_agree(model)
 
 
 def arm(folder: Path, inertials: list[Inertial]) -> UrdfModel:
