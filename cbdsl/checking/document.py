@@ -39,7 +39,7 @@ def check_document(path: Path, session: Session | None = None) -> list[Diagnosti
     """
     session, diagnostics = session or Session(), Diagnostics()
     try:
-        loaded = session.library.read_sound_parts(path, Document)
+        loaded = session.library.read_as_written(path, Document)
         diagnostics.extend(loaded.diagnostics)
         _named_like_its_file(loaded, diagnostics)
         _references(loaded, session, diagnostics)

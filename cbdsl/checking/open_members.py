@@ -127,7 +127,7 @@ class MemberExchange:
         on = {ROBOT: program.robot} if document.roles else {}
         given = _given(program, member)
         shared = {key: given[key] for key in document.assignable if key in given}
-        effectors = self._effectors(document.robot)
+        effectors = self._effectors(program.robot)
         seen = {key: value for key, value in shared.items() if value not in effectors}
         # A substitute keeps its own effectors if it fits with them. A transfer between hands, for
         # example, uses other effectors than the grasp that it replaces.
@@ -168,13 +168,7 @@ def _of_type(signals: Collection[EarnedSignal], type_: str) -> set[EarnedSignal]
 def _refusal(
     wanted: Collection[EarnedSignal], places: Collection[str], other: CheckedProgram
 ) -> str:
-    """Return why a program cannot stand in for a member; empty if it can.
-
-    Args:
-        wanted: Signals that the member is rewarded for.
-        places: Seen positions that it uses.
-        other: Program to stand in for it.
-    """
+    """Return why a program cannot stand in for a member with its signals and seen positions."""
     # Requirements come from general to special: kind of the reward, its signal, its rest at the
     # end, and the positions that the motion depends on.
     earned = earned_signals(other)

@@ -21,7 +21,7 @@ from cbdsl.checking.rules.guards import check_guards
 from cbdsl.checking.rules.outcome_states import check_ends, read_ends
 from cbdsl.checking.rules.shared_documents import faults_of_shared
 from cbdsl.checking.rules.suspicious_parts import check_suspicious
-from cbdsl.checking.session import Session
+from cbdsl.checking.session import ProgramCheck, Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.diagnostics.diagnostics import Diagnostics
@@ -97,15 +97,15 @@ def examine_program(
     known = session.recall(path, values)
     if known is None:
         own = Diagnostics()
-        checked = _examine(path, values, session, own, budget or Budget())
+        with session.library.bindings() as bindings:
+            checked = _examine(path, values, session, own, budget or Budget())
         # A program with a fault of a shared document has no faults that could be judged.
         if own.failed and (shared := faults_of_shared(path, session)).failed:
             own = shared
-        known = checked, own
-        session.remember(path, values, *known)
-    checked, own = known
-    diagnostics.extend(own.sorted())
-    return checked
+        known = ProgramCheck(checked, own, bindings)
+        session.remember(path, values, known)
+    diagnostics.extend(known.diagnostics.sorted())
+    return known.program
 
 
 def examiner(session: Session) -> Examine:
@@ -315,12 +315,7 @@ class _ProgramCheck:
         return self._compositions.composition(expression, steps)
 
     def _conditions(self, names: Sequence[str], complete: bool) -> None:
-        """Check that controllers that others wait for or are conditioned on run.
-
-        Args:
-            names: Names of the controllers that run.
-            complete: True if these are all, because no action has errors.
-        """
+        """Check that controllers that others wait for run; the names may not be complete."""
         for steps, text in _named(self._document):
             condition = self._context.parse(text, steps)
             if isinstance(condition, Unknown) or str(condition) in names:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.robot import examine_robot
@@ -26,6 +26,14 @@ D = TypeVar("D", bound=Document)
 _Key = tuple[Path, frozenset[tuple[str, str]]]
 
 
+class ProgramCheck(NamedTuple):
+    """Result of a check, its diagnostics, and the programs that it bound to a robot, by file."""
+
+    program: Outcome[CheckedProgram]
+    diagnostics: Diagnostics
+    bindings: Mapping[Path, Loaded[Any]]
+
+
 class Session:
     """Documents of one invocation.
 
@@ -41,7 +49,7 @@ class Session:
         self.library, self.values = library or Library(), values or {}
         self.uses = Uses(self.library)
         self._bodies: dict[Path, tuple[Outcome[CheckedRobot], Diagnostics]] = {}
-        self._programs: dict[_Key, tuple[Outcome[CheckedProgram], Diagnostics]] = {}
+        self._programs: dict[_Key, ProgramCheck] = {}
         self._sound: dict[Path, SoundControllers] = {}
 
     def read(
@@ -101,22 +109,16 @@ class Session:
         self._programs.clear()
         return True
 
-    def recall(
-        self, path: Path, values: Mapping[str, str]
-    ) -> tuple[Outcome[CheckedProgram], Diagnostics] | None:
-        """Return the result of the last check of a program with these values of its parameters."""
-        return self._programs.get((self.library.real(path), frozenset(values.items())))
+    def recall(self, path: Path, values: Mapping[str, str]) -> ProgramCheck | None:
+        """Return the last check of a program with these values; its programs are bound again."""
+        known = self._programs.get((self.library.real(path), frozenset(values.items())))
+        if known is not None:
+            self.library.bind_again(known.bindings)
+        return known
 
-    def remember(
-        self,
-        path: Path,
-        values: Mapping[str, str],
-        checked: Outcome[CheckedProgram],
-        diagnostics: Diagnostics,
-    ) -> None:
+    def remember(self, path: Path, values: Mapping[str, str], check: ProgramCheck) -> None:
         """Keep the result of a program's check, so that it is checked once for all its uses."""
-        key = (self.library.real(path), frozenset(values.items()))
-        self._programs[key] = checked, diagnostics
+        self._programs[self.library.real(path), frozenset(values.items())] = check
 
 
 class Uses:
@@ -158,7 +160,7 @@ class Uses:
 
         as_found = self._as_found[path]
         try:
-            document = self._library.read_sound_parts(as_found, ProgramDocument).document
+            document = self._library.read_as_written(as_found, ProgramDocument).document
         except DiagnosticsError:
             return []
         uses = document.use.values()

@@ -55,6 +55,7 @@ def substitutes(
     program = examine(path, values, Diagnostics())
     if isinstance(program, Unknown):
         return
+    document = library.read(path, ProgramDocument).document  # on the robot of the program
     for name in library.names(ProgramDocument, path):
         file = library.find(ProgramDocument, name, path)
         if file is None or library.real(file) == library.real(path):
@@ -77,9 +78,10 @@ def stand_in(
         examine: Check of a program with values of its parameters.
     """
     file = session.library.find(ProgramDocument, name, path)
-    document = session.library.read(path, ProgramDocument).document
-    own = {key: value for key, value in values.items() if key in document.assignable}
-    program = examine(path, own, Diagnostics())
+    written = session.library.read_as_written(path, ProgramDocument).document
+    known = {*written.assignable, *([ROBOT] if written.roles else ())}
+    program = examine(path, {k: v for k, v in values.items() if k in known}, Diagnostics())
+    document = session.library.read(path, ProgramDocument).document  # on the robot of the program
     other = UNKNOWN if file is None else examined(file, document, values, session, examine)
     if isinstance(program, Unknown) or isinstance(other, Unknown):
         return None, f"no valid program '{name}' for robot '{document.robot}'"

@@ -97,13 +97,7 @@ def _format(file: Path, as_steps: bool, *, check: bool, diff: bool, is_named: bo
 
 
 def _formatted(text: str, file: Path, is_named: bool) -> str:
-    """Return the formatted text of a document, or the unchanged text of other YAML.
-
-    Args:
-        text: Text of the file.
-        file: Path of the file.
-        is_named: True if the user named the file; then a warning is printed for other YAML.
-    """
+    """Return the formatted text of a document, or that of other YAML, with a warning if named."""
     if is_declared(text):
         return formatted_text(text, str(file))
     if is_named:

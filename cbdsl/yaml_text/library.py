@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -50,7 +52,7 @@ class Library:
         self.here = here or Path.cwd()
         self._given = {Path(os.path.realpath(path)): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
-        self._bound: dict[Path, Loaded[Any]] = {}
+        self._bound = ChainMap[Path, Loaded[Any]]()
         self._parts: dict[Path, Mapping[str, SharedPart]] = {}
         self._files_by_name: dict[tuple[type[Document], str, Path | None], Path] = {}
         self._named: dict[Path, set[Path]] = {}
@@ -197,6 +199,20 @@ class Library:
     def bind(self, loaded: Loaded[Any]) -> None:
         """Let readers of a program with roles see it with a robot in them, until the next one."""
         self._bound[self.real(loaded.path)] = loaded
+
+    @contextmanager
+    def bindings(self) -> Iterator[Mapping[Path, Loaded[Any]]]:
+        """Collect the programs that are bound meanwhile, by file."""
+        self._bound = self._bound.new_child()
+        try:
+            yield (made := self._bound.maps[0])
+        finally:
+            self._bound = self._bound.parents
+            self.bind_again(made)
+
+    def bind_again(self, bindings: Mapping[Path, Loaded[Any]]) -> None:
+        """Let readers see collected programs with their robots."""
+        self._bound.update(bindings)
 
     def replace(self, path: Path, data: bytes) -> bool:
         """Replace the contents of a file by other bytes, and drop its cached document.

@@ -82,11 +82,8 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
         for name, parameter in signature.parameters.items()
         for option in options.get(name, (parameter,))
     ]
-    flat.__name__, flat.__doc__, flat.__module__ = (
-        command.__name__,
-        command.__doc__,
-        command.__module__,
-    )
+    for name in ("__name__", "__doc__", "__module__"):
+        setattr(flat, name, getattr(command, name))
     flat.__annotations__ = {each.name: each.annotation for each in parameters}
     flat.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     return flat
