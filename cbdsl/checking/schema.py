@@ -101,7 +101,7 @@ class _SchemaCheck:
         }
         if len(variants) < len(document.allocations):
             return UNKNOWN
-        self._unchanged(path)
+        self._unchanged()
         base = next(iter(variants.values()))
         self._actions(base)
         features = self._features(base)
@@ -172,23 +172,20 @@ class _SchemaCheck:
         )
         return self._session.read(path, PolicyDocument, self._diagnostics)
 
-    def _unchanged(self, program: Path) -> None:
+    def _unchanged(self) -> None:
         """Check that the policies and substitutes with which a schema was learned are unchanged."""
-        from cbdsl.checking.knowledge.program_digest import policy_digest, substitute_digests
+        from cbdsl.checking.knowledge.staleness import changed_policies, changed_substitutes
 
-        provenance, library = self._document.provenance, self._session.library
+        document, path, library = self._document, self._loaded.path, self._session.library
+        provenance = document.provenance
         if provenance is None:
             return
-        for name, sha256 in provenance.policies.items():
-            path = library.find(PolicyDocument, name, self._loaded.path)
-            if path is None or policy_digest(name, self._loaded.path, library) != sha256:
-                place = self._source.place("provenance", "policies", name)
-                self._diagnostics.add("CB644", place, name=name, command=provenance.command)
-        now = substitute_digests(self._document.allocations, program, library)
-        for name, sha256 in provenance.programs.items():
-            if now.get(name) != sha256:
-                place = self._source.place("provenance", "programs", name)
-                self._diagnostics.add("CB622", place, program=name, command=provenance.command)
+        for name in changed_policies(provenance, path, library):
+            place = self._source.place("provenance", "policies", name)
+            self._diagnostics.add("CB644", place, name=name, command=provenance.command)
+        for name in changed_substitutes(document, path, library):
+            place = self._source.place("provenance", "programs", name)
+            self._diagnostics.add("CB622", place, program=name, command=provenance.command)
 
     def _variant(
         self, name: str, values: Mapping[str, str], path: Path, policy: Loaded[PolicyDocument]

@@ -6,7 +6,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cbdsl.checking.knowledge.program_digest import policy_digest, program_digest
+from cbdsl.checking.knowledge.program_digest import (
+    policy_digest,
+    program_digest,
+    substitute_digests,
+)
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.document import Document
@@ -54,13 +58,33 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
             yield f"program {identity.name}"
             shared |= dict.fromkeys(_changed_shared(provenance.shared, now))
     yield from (f"shared {name}" for name in shared)
-    for name, sha256 in provenance.policies.items():
-        if _policy(name, path, library) != sha256:
-            yield f"policy {name}"
+    if isinstance(document, SchemaDocument):
+        yield from (f"program {name}" for name in changed_substitutes(document, path, library))
+    yield from (f"policy {name}" for name in changed_policies(provenance, path, library))
     for relations in (getattr(provenance, key, None) for key in ("earlier", "relations")):
         if relations and _digest(RelationsDocument, relations, path, library) != relations.sha256:
             yield f"relations {relations.name}"
     yield from _changed_world(provenance, path, library)
+
+
+def changed_policies(provenance: Any, path: Path, library: Library) -> Iterator[str]:
+    """Yield the names of a learned document's policies that have changed since."""
+    for name, sha256 in provenance.policies.items():
+        file = library.find(PolicyDocument, name, path)
+        if file is None or policy_digest(name, path, library) != sha256:
+            yield name
+
+
+def changed_substitutes(schema: SchemaDocument, path: Path, library: Library) -> Iterator[str]:
+    """Yield the names of the programs in place of members of a schema that have changed since."""
+    provenance, program = schema.provenance, library.find(ProgramDocument, schema.program, path)
+    if provenance is not None and program is not None:
+        lost = {
+            name for name in provenance.programs if not library.find(ProgramDocument, name, path)
+        }
+        kept = {k: v for k, v in schema.allocations.items() if lost.isdisjoint(v.values())}
+        now = substitute_digests(kept, program, library)
+        yield from (name for name, before in provenance.programs.items() if now.get(name) != before)
 
 
 def program_change(
@@ -101,11 +125,6 @@ def _changed_world(provenance: Any, path: Path, library: Library) -> Iterator[st
     for stage in dict.fromkeys([provenance.stage, *(each.stage for each in joined)]):
         if _digest(StageDocument, stage, path, library) != stage.sha256:
             yield f"stage {stage.name}"
-
-
-def _policy(name: str, path: Path, library: Library) -> str | None:
-    file = library.find(PolicyDocument, name, path)
-    return None if file is None else policy_digest(name, path, library)
 
 
 def _digest(kind: type[Document], identity: Identity, path: Path, library: Library) -> str | None:

@@ -59,7 +59,7 @@ def test_changed_inputs_names_a_program_and_the_shared_document_that_changed_it(
 ) -> None:
     file = folder / "programs" / "shared" / "looking.yaml"
     text = file.read_text("utf-8")
-    unused, used = ("rate: 1e-2", "rate: 2e-2"), ("[0 deg, 0 deg]", "[1 deg, 0 deg]")
+    unused, used = ("tolerance: 0.1}", "tolerance: 0.2}"), ("[0 deg, 0 deg]", "[1 deg, 0 deg]")
     assert unused[0] in text and used[0] in text
     file.write_text(text.replace(*unused), "utf-8")
     assert changed(folder) == []
@@ -109,3 +109,36 @@ def test_commands_of_a_joined_exploration_begin_without_the_joined_programs() ->
     assert not any(word.startswith("pick_and_place") for word in first)
     assert first[first.index("--actions") + 1] == "100"
     assert "searchtrack" in first
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("programs/take.yaml", "speed: ", "speed: 1"),
+        ("programs/handover.yaml", "speed: 25 cm/s", "speed: 24 cm/s"),
+        ("programs/shared/moving.yaml", "gain: ", "gain: 1"),
+    ],
+)
+def test_validate_and_show_knowledge_name_the_same_changed_inputs_of_a_schema(
+    folder: Path, file: str, old: str, new: str
+) -> None:
+    text = (folder / file).read_text("utf-8")
+    assert old in text
+    (folder / file).write_text(text.replace(old, new, 1), "utf-8")
+    schema = folder / "knowledge" / "schemas" / "pick_and_place.yaml"
+    lines, document = (
+        schema.read_text("utf-8").splitlines(),
+        Library(folder).read(schema, SchemaDocument),
+    )
+    own = [d for d in check(schema) if d.place.file == str(schema) and d.code in ("CB622", "CB644")]
+    validated = {lines[d.place.line - 1].split(":")[0].strip() for d in own}
+    provenance = document.document.provenance
+    assert provenance is not None
+    shown = {name.split()[1] for name in changed(folder)}
+    assert shown & {*provenance.programs, *provenance.policies} == validated
+
+
+def test_changed_inputs_names_a_replaced_program_that_is_gone(folder: Path) -> None:
+    schema = folder / "knowledge" / "schemas" / "pick_and_place.yaml"
+    schema.write_text(schema.read_text("utf-8").replace("take_from_side", "taken_away"), "utf-8")
+    assert changed(folder) == ["program taken_away"]
