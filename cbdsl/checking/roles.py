@@ -20,6 +20,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.types.relative import (
     ANY_ROBOT,
     length_text,
@@ -33,9 +34,7 @@ from cbdsl.types.role import EYES, ROBOT, Role, role
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
-from cbdsl.yaml_text.shared_calls import has_call, validated
-
-_SUBJECT_TO = re.compile(r"\s*(?:◁|<\|)\s*")
+from cbdsl.yaml_text.shared_calls import has_call, terms_of, validated
 
 
 def without_absent(data: dict[str, Any], absent: Collection[str]) -> dict[str, Any]:
@@ -51,8 +50,9 @@ def without_absent(data: dict[str, Any], absent: Collection[str]) -> dict[str, A
     controllers, gone = dict(data.get("controllers", {})), set[str]()
 
     def rest(text: str) -> str:
-        terms = [each for each in _SUBJECT_TO.split(text) if not parts_in(each) & {*absent}]
-        return " ◁ ".join(each for each in terms if each not in gone)
+        terms = [str(each) for each in terms_of(text)]
+        kept = [each for each in terms if not parts_in(each) & {*absent} and each not in gone]
+        return SUBJECT_TO.join(kept) if terms else text  # its check reports a text without terms
 
     for name, each in data.get("controllers", {}).items():
         if isinstance(each, dict):
@@ -246,12 +246,7 @@ def _states_no(key: str, effector: str, robot: CheckedRobot, where: str) -> str:
 def _preferred(
     fitting: Sequence[Mapping[str, str]], names: Mapping[str, str]
 ) -> list[Mapping[str, str]]:
-    """Return the choices with the most roles, the first ones first, that have a named effector.
-
-    Args:
-        fitting: Effectors by role.
-        names: Effectors that the robot's document names, by role.
-    """
+    """Return the choices with the most roles, the first ones first, that the robot names."""
     ranks = [[(e == name, e == names.get(name)) for name, e in each.items()] for each in fitting]
     return [each for each, rank in zip(fitting, ranks, strict=True) if rank == max(ranks)]
 

@@ -204,15 +204,15 @@ def validated(value: object, *, relative: bool) -> ControllerSection | str:
 
 def has_call(text: str, calls: Collection[str]) -> bool:
     """Return whether a text is a composition with one of these calls."""
-    return "(" in text and any(str(term) in calls for term in _terms(text))
+    return "(" in text and any(str(term) in calls for term in terms_of(text))
 
 
 def _is_call_of(name: str, declared: object) -> bool:
     """Return whether a declaration is one call alone, as `watch: watch(red)`."""
-    return isinstance(declared, str) and [t.name for t in _terms(declared)] == [name]
+    return isinstance(declared, str) and [t.name for t in terms_of(declared)] == [name]
 
 
-def _terms(text: str) -> tuple[Term, ...]:
+def terms_of(text: str) -> tuple[Term, ...]:
     """Return the terms of a composition; none if it has an error, which its check reports."""
     try:
         return parse(text).terms
@@ -229,11 +229,11 @@ def _calls(document: ProgramDocument) -> Iterator[tuple[Steps, Term, bool]]:
     for section in ("controllers", "conditions"):
         for name, text in getattr(document, section).items():
             if isinstance(text, str):
-                terms = _terms(text)
+                terms = terms_of(text)
                 for term in terms:
                     yield (section, name), term, len(terms) == 1
     for path, text in _compositions(document):
-        for term in _terms(text):
+        for term in terms_of(text):
             yield path, term, False
     for path, when in _exits(document):
         with suppress(CompositionError):

@@ -10,7 +10,7 @@ import pytest
 from cbdsl.checking.document import check_document
 from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
-from cbdsl.checking.roles import bind, on_robot
+from cbdsl.checking.roles import bind, on_robot, without_absent
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
@@ -314,6 +314,23 @@ def test_controller_of_an_absent_role_is_left_out_or_replaced(
     assert (checked.background is None) == (robot == "panda")
     (other,) = here.controllers
     assert other.feedback.name == last
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("hold($arm,4 cm)<|see($head) ◁ gaze", "hold($arm, 4 cm)"),
+        ("gaze\n  ◁ hold($arm)", "hold($arm)"),
+        ("hold($arm) ◁ ◁ see($head)", "hold($arm) ◁ ◁ see($head)"),
+    ],
+)
+def test_composition_loses_its_terms_of_absent_roles_unless_it_cannot_be_read(
+    text: str, rest: str
+) -> None:
+    gaze = {"potential": "spring", "feedback": "cyclopean.red", "effector": "$head"}
+    data = {"controllers": {"gaze": gaze, "both": text}, "background": text}
+    left = without_absent(data, {"head"})
+    assert (left["controllers"], left["background"]) == ({"both": rest}, rest)
 
 
 def test_role_that_is_given_is_not_absent(tmp_path: Path) -> None:
