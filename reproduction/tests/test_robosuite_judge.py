@@ -19,7 +19,11 @@ from cbdsl_reproduction.judges.robosuite import JUDGE
 from cbdsl_reproduction.worlds import robosuite_process
 from cbdsl_reproduction.worlds.camera_pair import looking_at
 from cbdsl_reproduction.worlds.edge_sensor import EDGES
-from cbdsl_reproduction.worlds.robosuite_backend import RobosuiteBackend, stroke_share
+from cbdsl_reproduction.worlds.robosuite_backend import (
+    RobosuiteBackend,
+    filled,
+    stroke_share,
+)
 from cbdsl_reproduction.worlds.robosuite_process import robosuite_python
 from cbdsl_reproduction.worlds.robosuite_task import ARMS, TASKS
 from tests.cli import test_main
@@ -135,12 +139,13 @@ class StillProcess:
         return reply, self._pixels if "label" in request else b""
 
 
-def test_robosuite_backend_exposes_regions_at_the_image_rate() -> None:
+def test_robosuite_backend_exposes_regions_at_the_image_rate(tmp_path: Path) -> None:
     robot, _ = read_robot(ROOT / "robots" / "panda.yaml")
     pair = looking_at((0.0, 0.0, 0.0))
     process = StillProcess(pair.width, pair.height, 8, 2)
     backend = RobosuiteBackend(robot, process, pair, {"red": ("cube",)})  # type: ignore[arg-type]
-    stage = load(TASKS["NutAssemblySquare"].program, values={"robot": "panda"}).stage
+    write_with_edges("panda", tmp_path)
+    stage = load(TASKS["Lift"].program, values={"robot": "seeing"}, folder=tmp_path).stage
     backend.reset(stage, None, np.random.default_rng(0))
     (region,) = backend.observe().regions["left"]["red"]
     assert (region.area, region.column, region.row) == (100, 55.0, 105.0)
@@ -150,6 +155,13 @@ def test_robosuite_backend_exposes_regions_at_the_image_rate() -> None:
     steps = [request for request in process.requests if request["do"] == "step"]
     # The fingers at zero are closed.
     assert [[len(arm) for arm in steps[0]["arms"]], steps[0]["closing"]] == [[7], [1.0]]
+
+
+def test_mask_of_a_ring_is_filled() -> None:
+    ring = np.zeros((9, 9), np.bool_)
+    ring[2:7, 2:7] = True
+    ring[4, 4] = False
+    np.testing.assert_array_equal(filled(ring).sum(), 25)
 
 
 @pytest.mark.slow

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from cbdsl.extend.backend import (
     Floats,
@@ -147,10 +149,18 @@ class RobosuiteBackend:
         for camera, image in zip(pair.places, labels, strict=True):
             seen[camera] = {}
             for number, feature in enumerate(self._features, start=1):
-                regions = connected_regions((image == number).astype(np.uint8), _LEAST_AREA)
+                regions = connected_regions(filled(image == number), _LEAST_AREA)
                 if regions:
                     seen[camera][feature] = regions
         return seen
+
+
+def filled(mask: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Return a mask without holes, such as that of a nut."""
+    outlined = mask.astype(np.uint8)
+    outlines, _ = cv2.findContours(outlined, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    cv2.drawContours(outlined, outlines, -1, 1, cv2.FILLED)
+    return outlined
 
 
 def stroke_share(

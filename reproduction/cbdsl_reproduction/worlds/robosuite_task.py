@@ -39,6 +39,7 @@ _TABLE = (0.0, 0.0, 0.85)
 _BINS = (0.1, 0.0, 0.85)
 _PEGS = (0.05, 0.0, 0.85)
 _DOOR = (-0.08, -0.25, 1.0)
+_BETWEEN = (0.0, -0.25, 0.95)
 _ALL = (
     RobosuiteTask("Lift", "lift", _TABLE, {"red": ("cube_main",)}, 0.95),
     RobosuiteTask(
@@ -64,7 +65,7 @@ _ALL = (
     ),
     RobosuiteTask(
         "NutAssemblyRound",
-        "nut_assembly_round",
+        "nut_assembly",
         _PEGS,
         {
             "red": ("RoundNut_g8_visual",),
@@ -85,6 +86,17 @@ _ALL = (
         "lift_with_two",
         _TABLE,
         {"green": ("pot_handle0_c_vis",), "blue": ("pot_handle1_c_vis",)},
+        0.9,
+        arms=2,
+    ),
+    RobosuiteTask(
+        "TwoArmHandover",
+        "hand_over_bar",
+        _BETWEEN,
+        {
+            "red": ("hammer_handle_vis",),
+            "blue": tuple(f"hammer_{part}_vis" for part in ("head", "neck", "face", "claw")),
+        },
         0.9,
         arms=2,
     ),

@@ -23,6 +23,8 @@ _STROKE = 1.5
 # Servos of the arms: gain, 1/s^2, and damping ratio; the largest gain that robosuite allows.
 _GAIN, _DAMPING = 300.0, 1.0
 _GRAVITY = 9.81  # m/s^2
+# Thickness of a shell by which one of two equal surfaces covers the other, m.
+_SHELL = 3e-4
 _TIP_SITE = "grip_site"
 # Name of the only arm of a robot.
 _SIDE = "right"
@@ -196,6 +198,11 @@ class RobosuiteWorld:
             for geom, line in enumerate(lines):
                 if line & set(bodies):
                     owners[geom] = number
+        # Parts of a thing may share surfaces: those of the first feature are seen.
+        for name in next(iter(features.values())):
+            for geom in range(self.model.ngeom):
+                if self.model.geom(geom).name == name and self.model.geom_contype[geom] == 0:
+                    self.model.geom_size[geom] += _SHELL
         return owners
 
     def render(self) -> bytes:
