@@ -124,8 +124,8 @@ class Library:
         """Yield the folders of a kind, the nearest to another file first."""
         folder = Path(kind_of(kind).folder)
         if beside is not None and len(folder.parts) > 1 and folder.name != beside.parent.name:
-            # As `cb learn` writes them: `models` beside any `policies`.
-            yield beside.absolute().parent.parent / folder.name
+            # `stages` beside a program; as `cb learn` writes them, `models` beside any `policies`.
+            yield from (near / folder.name for near in beside.absolute().parents[:2])
         for root in self._roots(beside):
             yield root / folder
 

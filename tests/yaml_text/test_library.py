@@ -126,3 +126,13 @@ def test_replace_with_another_kind_forgets_the_file_of_a_name(tmp_path: Path) ->
     own = tmp_path / "programs" / "programs" / "own.yaml"
     own.write_text("cbdsl: 1\nkind: program\n", encoding="utf-8")
     assert library.find(ProgramDocument, "own", beside) == own
+
+
+def test_stage_is_found_in_the_folder_of_stages_beside_a_program(tmp_path: Path) -> None:
+    stage = tmp_path / "stages" / "one.yaml"
+    stage.parent.mkdir()
+    stage.write_text("cbdsl: 1\nkind: stage\nname: one\n", "utf-8")
+    library = Library(tmp_path)
+    assert library.locate(StageDocument, "one") == stage
+    assert library.find(StageDocument, "one", tmp_path / "program.yaml") == stage
+    assert "one" in library.names(StageDocument, tmp_path / "program.yaml")
