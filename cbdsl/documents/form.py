@@ -257,8 +257,7 @@ class ComposedForm(Section):
     @property
     def size(self) -> tuple[tuple[float, float], ...]:
         """Edges of the box around all pieces as spans of one value each, m."""
-        edges = [last - first for first, last in self.box]
-        return tuple((edge, edge) for edge in edges)
+        return tuple((last - first, last - first) for first, last in self.box)
 
 
 class MeshForm(FileSection):

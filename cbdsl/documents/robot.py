@@ -1,9 +1,9 @@
 """Robot document: sensors, effectors and constants of a robot."""
 
 from collections.abc import Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
 from cbdsl.documents.document import (
     Angle,
@@ -115,6 +115,12 @@ class LoadCell(Section):
     """Radius of a round fingertip about the link's origin; without it, contacts are at the pad."""
     pad: Point = (0.0, 0.0, 0.0)
     """Middle of the surface that presses, in the link's frame."""
+
+    @model_validator(mode="after")
+    def _presses_with_one_surface(self) -> Self:
+        if self.radius and any(self.pad):
+            raise ValueError("a round fingertip has no `pad`; give the `radius` or the pad alone")
+        return self
 
 
 class Sensor(Section):

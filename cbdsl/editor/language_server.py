@@ -418,8 +418,7 @@ def _change(server: Server) -> None:
 
     @server.feature(lsp.TEXT_DOCUMENT_FORMATTING)
     def _(params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
-        path = server.path(params.text_document.uri)
-        return server.formatting(path)
+        return server.formatting(server.path(params.text_document.uri))
 
 
 def _refusal(message: str) -> JsonRpcException:
