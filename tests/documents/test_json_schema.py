@@ -35,6 +35,7 @@ BEYOND_SCHEMAS = {
     "gap_without_hand",
     "field_obstacle_shape",
     "thrown_and_shaken",
+    "load_cell_with_two_surfaces",
     # A schema treats a reference that is text like any other text.
     "reference_in_parentheses",
     "reference_quoted",
