@@ -58,6 +58,13 @@ def test_fingers_close_across_the_line_between_two_things(signals: Signals) -> N
     assert closing(signals, rotation)[:2] @ line == pytest.approx(0.0, abs=1e-6)
 
 
+def test_line_is_undefined_before_both_things_are_seen(signals: Signals) -> None:
+    seen = {"red": PLACES["red"], "blue": None}
+    signals.vision.memory = lambda channel: SimpleNamespace(position=seen[channel])  # type: ignore
+    (name,) = signals.robot.sensors
+    assert reader(SensorSignal(name, EDGES.name, "red_blue", ()), signals)() is None
+
+
 @pytest.mark.parametrize(
     ("part", "way"), [("to_left", [0, 1, 0]), ("to_right", [0, -1, 0]), ("down", [0, 0, -1])]
 )

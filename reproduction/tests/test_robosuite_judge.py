@@ -157,11 +157,17 @@ def test_robosuite_backend_exposes_regions_at_the_image_rate(tmp_path: Path) -> 
     assert [[len(arm) for arm in steps[0]["arms"]], steps[0]["closing"]] == [[7], [1.0]]
 
 
-def test_mask_of_a_ring_is_filled() -> None:
+def test_mask_of_a_ring_is_filled_up_to_its_convex_outline() -> None:
     ring = np.zeros((9, 9), np.bool_)
     ring[2:7, 2:7] = True
-    ring[4, 4] = False
+    ring[4, 4] = ring[2, 4] = False
     np.testing.assert_array_equal(filled(ring).sum(), 25)
+
+
+def test_mask_without_a_hole_keeps_its_dent() -> None:
+    bent = np.zeros((9, 9), np.bool_)
+    bent[2:4, 2:7] = bent[2:7, 2:4] = True
+    np.testing.assert_array_equal(filled(bent), bent)
 
 
 @pytest.mark.slow

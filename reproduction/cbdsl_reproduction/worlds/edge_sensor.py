@@ -6,7 +6,8 @@ It uses the regions of both cameras and the encoders alone. Its signals are name
   close along a horizontal edge of the box: the shorter one if edges differ, or else the edge nearer
   to their direction now. Before the object was seen whole, and for a round object, the orientation
   keeps that direction.
-- ``red_blue``: the orientation of a hand that closes across the line between two seen objects.
+- ``red_blue``: the orientation of a hand that closes across the line between two objects; undefined
+  before both were seen.
 - ``held_red``: the place of a part of a thing, which moves with the hand that holds the thing.
 - ``beyond_red_blue``: the place, likewise, on the far part of a bar from another thing at its end.
 - ``ahead_red``: the orientation of a hand that looks down and has such a part ahead, along x.
@@ -111,7 +112,7 @@ class EdgeReader(HandReader):
         self._stamp, self._seen = -1, np.zeros(0)
         self._angle: float | None = None
 
-    def __call__(self) -> Reading:
+    def __call__(self) -> Reading | None:
         """Return the orientation in this tick."""
         images = self._signals.vision.images
         if images < self._stamp:
@@ -166,6 +167,11 @@ class EdgeReader(HandReader):
 
 class LineReader(EdgeReader):
     """Reader of the orientation of a hand that closes across the line between two objects."""
+
+    def __call__(self) -> Reading | None:
+        """Return the orientation in this tick; ``None`` before both objects were seen."""
+        turned = super().__call__()
+        return None if self._angle is None else turned
 
     def _look(self) -> None:
         places = self._places()

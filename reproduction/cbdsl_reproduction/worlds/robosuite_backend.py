@@ -156,10 +156,13 @@ class RobosuiteBackend:
 
 
 def filled(mask: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """Return a mask without holes, such as that of a nut."""
+    """Return a mask without holes; a part with a hole, such as a nut, has its convex outline."""
     outlined = mask.astype(np.uint8)
-    outlines, _ = cv2.findContours(outlined, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    cv2.drawContours(outlined, outlines, -1, 1, cv2.FILLED)
+    outlines, parents = cv2.findContours(outlined, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    for place, outline in enumerate(outlines):
+        _, _, hole, parent = parents[0, place]
+        if parent < 0 and hole >= 0:
+            cv2.fillConvexPoly(outlined, cv2.convexHull(outline), 1)
     return outlined
 
 
