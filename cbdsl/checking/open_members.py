@@ -168,7 +168,7 @@ def _of_type(signals: Collection[EarnedSignal], type_: str) -> set[EarnedSignal]
 def _refusal(
     wanted: Collection[EarnedSignal], places: Collection[str], other: CheckedProgram
 ) -> str:
-    """Return why a program cannot stand in for a member with its signals and seen positions."""
+    """Return why a program cannot stand in for a member; empty if it can."""
     # Requirements come from general to special: kind of the reward, its signal, its rest at the
     # end, and the positions that the motion depends on.
     earned = earned_signals(other)

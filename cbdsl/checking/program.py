@@ -315,7 +315,7 @@ class _ProgramCheck:
         return self._compositions.composition(expression, steps)
 
     def _conditions(self, names: Sequence[str], complete: bool) -> None:
-        """Check that controllers that others wait for run; the names may not be complete."""
+        """Check that controllers that others wait for run, as far as ``names`` are complete."""
         for steps, text in _named(self._document):
             condition = self._context.parse(text, steps)
             if isinstance(condition, Unknown) or str(condition) in names:

@@ -246,7 +246,7 @@ def _states_no(key: str, effector: str, robot: CheckedRobot, where: str) -> str:
 def _preferred(
     fitting: Sequence[Mapping[str, str]], names: Mapping[str, str]
 ) -> list[Mapping[str, str]]:
-    """Return the choices with the most roles, the first ones first, that the robot names."""
+    """Return the choices with the most roles that have the effector that the robot names."""
     ranks = [[(e == name, e == names.get(name)) for name, e in each.items()] for each in fitting]
     return [each for each, rank in zip(fitting, ranks, strict=True) if rank == max(ranks)]
 

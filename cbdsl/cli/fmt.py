@@ -97,7 +97,7 @@ def _format(file: Path, as_steps: bool, *, check: bool, diff: bool, is_named: bo
 
 
 def _formatted(text: str, file: Path, is_named: bool) -> str:
-    """Return the formatted text of a document, or that of other YAML, with a warning if named."""
+    """Return a document's formatted text; other YAML stays, with a warning if the user named it."""
     if is_declared(text):
         return formatted_text(text, str(file))
     if is_named:

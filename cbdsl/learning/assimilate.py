@@ -226,8 +226,7 @@ class Assimilate:
             "curve": curve_of(summary.experiences),
             "provenance": summary.provenance,
         }
-        schema = self.document(summary.name, summary.program)
-        return [schema.model_copy(update=learned)]
+        return [self.document(summary.name, summary.program).model_copy(update=learned)]
 
     def document(self, name: str, program: CheckedProgram) -> SchemaDocument:
         """Return a schema of the present knowledge, without curve and provenance."""

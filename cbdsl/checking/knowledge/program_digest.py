@@ -148,8 +148,7 @@ def _pairs(name: str | None, beside: Path, library: Library) -> str:
     from cbdsl.documents.meta_catalog import MetaCatalogDocument  # few programs use one
 
     path = _document_file(MetaCatalogDocument, name, beside, library)
-    document = library.read(path, MetaCatalogDocument).document
-    return digest(document, ("steps", "provenance"))
+    return digest(library.read(path, MetaCatalogDocument).document, ("steps", "provenance"))
 
 
 def _allocated(program: str, name: str, beside: Path, reader: _Bound) -> str:

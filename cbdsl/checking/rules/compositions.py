@@ -61,7 +61,7 @@ class Compositions:
             self._check_earning(key, parts, {each.name: each.rewarded for each in controllers})
 
     def _check_earning(self, key: str, parts: Sequence[str], rewarded: Mapping[str, bool]) -> None:
-        """Check the parts that a reward depends on, with controllers by whether it rewards them."""
+        """Check the parts that a reward depends on; ``rewarded`` ones read the environment."""
         for i, part in enumerate(parts):
             if part not in rewarded:
                 self._refuse_part(key, i, part, f"is not a part of '{key}'", list(rewarded))

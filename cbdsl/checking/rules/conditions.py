@@ -128,8 +128,7 @@ class _ConditionCheck:
             return UNKNOWN
 
     def _substituted(self, value: WrittenValue) -> Outcome[str]:
-        start = value.span.start - 1
-        return self._context.substitute(value.text, self._path, start)
+        return self._context.substitute(value.text, self._path, value.span.start - 1)
 
     def _value(self, value: WrittenValue) -> Outcome[_Known]:
         text = self._substituted(value)

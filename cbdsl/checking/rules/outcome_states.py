@@ -68,7 +68,7 @@ def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[
 def _check_reached(
     context: ProgramContext, program: CheckedProgram, ends: Mapping[End, Sequence[str]]
 ) -> None:
-    """Warn of final states, with the actions that may show each, that no policy leads to."""
+    """Warn of final states that the program's own policy never leads to."""
     automaton = automaton_of(program)
     if automaton is None:
         return

@@ -150,5 +150,4 @@ def _ordered(made: Plain) -> list[str]:
 
 
 def _checked(text: str, file: Path) -> tuple[Diagnostic, ...]:
-    library = Library(given={file: encoded(text)})
-    return tuple(check_safely(file, Session(library)))
+    return tuple(check_safely(file, Session(Library(given={file: encoded(text)}))))

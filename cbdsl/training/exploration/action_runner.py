@@ -113,8 +113,7 @@ class ActionRunner:
         if action.marks:
             return self._inspect(action, known, seed, undisturbed)
         reader = FeatureReader(action.features)
-        result = self._episode(action, reader, seed, undisturbed)
-        return _outcome(name, result, reader)
+        return _outcome(name, self._episode(action, reader, seed, undisturbed), reader)
 
     def _inspect(
         self, action: Explorable, known: Sequence[str], seed: int, undisturbed: bool

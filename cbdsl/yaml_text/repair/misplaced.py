@@ -50,8 +50,7 @@ def find_moves(source: SourceMap, model: type[BaseModel], wrong: Iterable[Steps]
         wrong: Paths of values with faults.
     """
     at_or_above = {path[:depth] for path in wrong for depth in range(len(path) + 1)}
-    finder = _Finder(at_or_above)
-    return list(finder.below(source.root, SchemaShape((model,)), (), ()))
+    return list(_Finder(at_or_above).below(source.root, SchemaShape((model,)), (), ()))
 
 
 def move(source: SourceMap, moved: Move) -> Diagnostic:
