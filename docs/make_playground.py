@@ -18,11 +18,13 @@ from importlib.resources import files
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
 
-from cbdsl.cli.episodes.playground import playground_page
+from cbdsl_report.playground import playground_page
 
 ROOT = Path(__file__).parents[1]
 SOURCES = ROOT / "docs" / "in_browser"
 FOLDER = ROOT / "docs" / "playground"
+#: Modules of the distribution with the playground, which this project's licence covers.
+_MODULES = ROOT / "distributions" / "cbdsl-report" / "cbdsl_report"
 #: Files of Pyodide that a browser loads.
 RUNTIME = (
     "pyodide.mjs",
@@ -81,6 +83,8 @@ def _pack(archive: Path, scratch: Path) -> None:
     _do(*pip, "download", "--no-deps", "--only-binary=:all:", *_PLATFORM, "-d", str(scratch), core)
     with ZipFile(archive, "w", ZIP_DEFLATED) as packed:
         packed.write(SOURCES / "answers.py", "answers.py")
+        for file in _MODULES.glob("*.py"):
+            packed.write(file, f"{_MODULES.name}/{file.name}")
         for wheel in scratch.glob("*.whl"):
             with ZipFile(wheel) as opened:
                 for name in opened.namelist():

@@ -105,7 +105,10 @@ def test_bare_environment_validates_and_names_the_extra_for_runs(
     export = cb("export", "lerobot", "tapes")
     assert export.returncode == 2 and "pip install 'cbdsl[lerobot]'" in export.stderr
     assert export.stderr.count("\n") == 1
-    extras = {"calibrate": "calibration", "drive": "ros2", "report": "report", "why": "why"}
+    extras = {
+        "calibrate": "calibration", "drive": "ros2", "playground": "report", "report": "report",
+        "why": "why",
+    }  # fmt: skip
     for command, extra in extras.items():
         refused = cb(command, "dexter")
         assert refused.returncode == 2 and refused.stderr.count("\n") == 1

@@ -26,7 +26,6 @@ SUMMARIES = {
     "replay": "Write a self-contained page of a recorded episode.",
     "learn": "Learn the values of a program's actions from scratch, by discovering affordances.",
     "explore": "Explore the affordances of an object until its models have habituated (Chapter 6).",
-    "playground": "Show a page on which a program is edited, checked, drawn and run, until Ctrl-C.",
     "lsp": "Serve an editor over the standard streams: diagnostics while typing, completion, "
     "hover.",
     "fmt": "Format documents: uniform indentation and spacing, without superfluous empty lines.",
@@ -37,7 +36,7 @@ SUMMARIES = {
 GROUPS = ("show", "new", "export")
 
 #: Modules of commands that are not named like their command.
-_MODULES = {"show": "show.show", "playground": "episodes.playground"}
+_MODULES = {"show": "show.show"}
 
 #: Requirements of this project that add commands.
 _PROVIDERS = {
@@ -46,6 +45,7 @@ _PROVIDERS = {
     "calibrate": "cbdsl[calibration]",
     "compare": "cbdsl[compare]",
     "drive": "cbdsl[ros2]",
+    "playground": "cbdsl[report]",
     "report": "cbdsl[report]",
     "drive.serve": "cbdsl[ros2]",
     "drive.watchdog": "cbdsl[ros2]",

@@ -3,8 +3,8 @@
 An entry is a function with Typer's annotations, or a ``typer.Typer``; its docstring is its help. An
 entry ``drive.NAME`` or ``export.NAME`` adds a command to ``cb drive`` or ``cb export``.
 ``UsageError`` ends a command with its message and exit code 2, ``DiagnosticsError`` with its
-diagnostics and exit code 1. The names below are common options, progress, output, pages and
-journals.
+diagnostics and exit code 1. The names below are common options, progress, output, pages, their
+servers and journals.
 
 ``declaration`` and ``verb`` derive a verb's signature and docstring from a class of its inputs;
 ``grouped`` derives the options of its command, ``call_text`` and ``command_text`` the texts that
@@ -63,6 +63,8 @@ if TYPE_CHECKING:
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.diagnostics.reason import reason
     from cbdsl.reporting.bundle import Bundle
+    from cbdsl.reporting.live.feed import Feed
+    from cbdsl.reporting.live.page_server import LiveServer, RequestError
     from cbdsl.reporting.page import page
     from cbdsl.reporting.stack_command import stack_command
     from cbdsl.reporting.template import filled
@@ -74,8 +76,9 @@ if TYPE_CHECKING:
 __all__ = [
     "BACKEND", "CAMERAS", "MOST_BYTES", "SEED", "Above", "BackendName", "Bundle", "Cameras",
     "CommandGroup", "DiagnosticsError", "EpisodeError", "EpisodeListeners", "EpisodeObservers",
-    "Interface", "Journal", "Json", "Open", "Policy", "Program", "Progress", "Rate", "Recorder",
-    "RecordingFolder", "RowForm", "RunOptions", "Runner", "TerminalPerson", "UsageError", "With",
+    "Feed", "Interface", "Journal", "Json", "LiveServer", "Open", "Policy", "Program", "Progress",
+    "Rate", "Recorder", "RecordingFolder", "RequestError", "RowForm", "RunOptions", "Runner",
+    "TerminalPerson", "UsageError", "With",
     "call_text", "command_text", "commands_of", "count", "declaration", "default_engine",
     "engine_of", "filled", "given", "grouped", "needing_simulation", "open_page", "page",
     "print_json", "print_line", "print_problem", "print_table", "quiet_stderr", "read_assignments",

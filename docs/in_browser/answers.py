@@ -9,9 +9,9 @@ from io import StringIO
 from pathlib import Path
 from unittest.mock import patch
 
-from cbdsl.cli.episodes.playground import PlaygroundRequests
 from cbdsl.cli.main import main
-from cbdsl.reporting.live.page_server import RequestError
+from cbdsl.extend.command import RequestError
+from cbdsl_report.playground import PlaygroundRequests
 
 
 class BrowserRequests(PlaygroundRequests):

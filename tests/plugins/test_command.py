@@ -76,7 +76,11 @@ def test_built_in_command_is_not_replaced(
 
 @pytest.mark.parametrize(
     ("words", "package"),
-    [(("reproduce", "all"), "cbdsl-reproduction"), (("why", "reach", "--try"), "cbdsl[why]")],
+    [
+        (("reproduce", "all"), "cbdsl-reproduction"),
+        (("why", "reach", "--try"), "cbdsl[why]"),
+        (("playground", "take", "--no-open"), "cbdsl[report]"),
+    ],
 )
 def test_command_of_a_missing_package_names_the_package(
     words: tuple[str, ...],

@@ -1,4 +1,4 @@
-"""``cb report``: learned documents as a page."""
+"""``cb report``: learned documents as a page; ``cb playground``: a program on a page."""
 
 from __future__ import annotations
 
@@ -26,6 +26,10 @@ What = Annotated[
 Out = Annotated[
     Path | None,
     typer.Option("--out", help="File of the page [beside FILE, .html; FOLDER/report.html]."),
+]
+Program = Annotated[str, typer.Argument(help="Program to begin with: file or name.")]
+Port = Annotated[
+    int, typer.Option("--live-port", min=0, max=65535, help="Port of the page [a free one].")
 ]
 
 
@@ -61,3 +65,14 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     write_page(text, target, follow=out is not None)
     if open_:
         open_page(target)
+
+
+def playground(program: Program = "let_go", port: Port = 0, open_: Open = True) -> None:
+    """Show a page on which a program is edited, checked, drawn and run, until Ctrl-C.
+
+    Only browsers of this machine reach the page. Runs use the kinematic backend. The file of the
+    program is read, and never written.
+    """
+    from cbdsl_report.playground import serve_playground
+
+    serve_playground(program, port, opens=open_)

@@ -11,10 +11,10 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from cbdsl.cli.episodes import playground
-from cbdsl.cli.episodes.playground import PlaygroundRequests, playground_page
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.page_server import LiveServer, RequestError
+from cbdsl_report import playground
+from cbdsl_report.playground import PlaygroundRequests, playground_page
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, browser
 

@@ -1,4 +1,4 @@
-"""``cb playground``: a page on which a program is edited, checked, drawn and run."""
+"""Playground: a page on which a program is edited, checked, drawn and run."""
 
 from __future__ import annotations
 
@@ -12,37 +12,34 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
 from time import sleep
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from cbdsl.cli.arguments.options import Open
-from cbdsl.cli.output.terminal import print_line
-from cbdsl.cli.process.termination import stop_requests
-from cbdsl.documents.document import NAME_PATTERN
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.reporting.live.feed import Feed
-from cbdsl.reporting.live.page_server import LiveServer, RequestError
-from cbdsl.reporting.template import filled
-from cbdsl.yaml_text.library import Library
-
-Program = Annotated[str, typer.Argument(help="Program to begin with: file or name.")]
-Port = Annotated[
-    int, typer.Option("--live-port", min=0, max=65535, help="Port of the page [a free one].")
-]
+from cbdsl.extend.command import (
+    Feed,
+    LiveServer,
+    RequestError,
+    filled,
+    print_line,
+    stop_requests,
+)
+from cbdsl.extend.document import NAME_PATTERN, Library, ProgramDocument
+from cbdsl_report.markup import ASSETS
 
 _CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
 # Longest time of a check and of a run, s.
 _CHECK, _RUN = 30.0, 180.0
 _PERIOD = 0.1
-_SCRIPTS = ("page.js", "data.js", "asking.js", "playground.js")
+_STYLES = ("page.css", ASSETS / "playground.css")
+_SCRIPTS = ("page.js", "data.js", "asking.js", ASSETS / "playground.js")
 
 
-def playground(program: Program = "let_go", port: Port = 0, open_page: Open = True) -> None:
-    """Show a page on which a program is edited, checked, drawn and run, until Ctrl-C.
+def serve_playground(program: str, port: int, *, opens: bool) -> None:
+    """Serve the page of a program until Ctrl-C.
 
-    Only browsers of this machine reach the page. Runs use the kinematic backend. The file of the
-    program is read, and never written.
+    Args:
+        program: File or name of the program.
+        port: Port of the page; any free port for 0.
+        opens: True if the page is shown in the browser.
     """
     library = Library()
     text = library.text(library.locate(ProgramDocument, program))
@@ -51,7 +48,7 @@ def playground(program: Program = "let_go", port: Port = 0, open_page: Open = Tr
     with stop_requests() as stopped:
         try:
             print_line(f"playground at {server.url}; Ctrl-C ends it")
-            if open_page:
+            if opens:
                 webbrowser.open(server.url)
             while not stopped():
                 sleep(_PERIOD)
@@ -67,11 +64,11 @@ def playground_page(text: str, token: str) -> str:
         text: Text of the program.
         token: Token that requests have to contain.
     """
-    from cbdsl.reporting.bundle import Bundle  # imports numpy, which `cb --version` does without
+    from cbdsl.extend.command import Bundle  # imports numpy, which a browser does without
 
     data = Bundle().text({"text": text, "token": token})
-    styles = ("page.css", "playground.css")
-    return filled("playground.html", "playground", styles, _SCRIPTS, data, {}, connects=True)
+    template = ASSETS / "playground.html"
+    return filled(template, "playground", _STYLES, _SCRIPTS, data, {}, connects=True)
 
 
 class PlaygroundRequests:
