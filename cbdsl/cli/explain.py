@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.arguments.completion import codes
-from cbdsl.cli.output.plugin_warnings import warn_of_faults
+from cbdsl.cli.output.terminal import warn_of_faults
 from cbdsl.diagnostics.entry_text import explanation, page
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.nearest import nearest_name

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.output.plugin_warnings import warn_of_faults
-from cbdsl.cli.output.terminal import print_json, print_table
+from cbdsl.cli.output.terminal import print_json, print_table, warn_of_faults
 from cbdsl.cli.show.formats import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.kinds import KINDS, models

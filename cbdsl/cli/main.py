@@ -108,13 +108,13 @@ def _requested(words: list[str]) -> list[str]:
         UsageError: The command belongs to a package that is not installed.
     """
     from cbdsl.cli.commands import COMMANDS
-    from cbdsl.cli.output.plugin_warnings import warn_of_faults
-    from cbdsl.diagnostics.errors import UsageError
 
     if words and words[0] in COMMANDS and "." not in words[0]:
         return words[:1]
     if message := COMMANDS.missing().get(words[0]) if words else None:
         raise UsageError(message)
+    from cbdsl.cli.output.terminal import warn_of_faults
+
     warn_of_faults(COMMANDS)
     return []
 
@@ -205,7 +205,7 @@ def _unsuppressed(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
 def _report(error: Exception) -> int:
     """Print an error without a traceback, and return the exit code."""
     from cbdsl.cli.output.terminal import print_diagnostics, print_problem
-    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+    from cbdsl.diagnostics.errors import DiagnosticsError
     from cbdsl.diagnostics.reason import reason
 
     if isinstance(error, DiagnosticsError):

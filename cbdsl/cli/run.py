@@ -16,9 +16,9 @@ from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Program
 from cbdsl.cli.arguments.run_options import RunOptions
 from cbdsl.cli.episodes.attendance import Interface, Yes, attend
-from cbdsl.cli.episodes.episode_page import recorded_for, require_page
 from cbdsl.cli.episodes.episode_tally import EpisodeTally
 from cbdsl.cli.episodes.live import LiveOptions, go_on, live_page
+from cbdsl.cli.episodes.pages import recorded_for, require_page
 from cbdsl.cli.episodes.parallel_episodes import run_parallel
 from cbdsl.cli.episodes.recorder import Recorder
 from cbdsl.cli.episodes.simulation import simulation

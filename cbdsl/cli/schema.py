@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.output.plugin_warnings import warn_of_faults
-from cbdsl.cli.output.terminal import print_line
+from cbdsl.cli.output.terminal import print_line, warn_of_faults
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file

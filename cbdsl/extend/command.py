@@ -66,8 +66,8 @@ if TYPE_CHECKING:
     from cbdsl.reporting.live.feed import Feed
     from cbdsl.reporting.live.page_server import LiveServer, RequestError
     from cbdsl.reporting.page import page
-    from cbdsl.reporting.stack_command import stack_command
     from cbdsl.reporting.template import filled
+    from cbdsl.reporting.text.meta_catalog_text import stack_command
     from cbdsl.runtime.episode import EpisodeError, Runner
     from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObservers
     from cbdsl.runtime.recording_folder import RecordingFolder

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from cbdsl.kinematics.quaternion import product, quaternion_about, turned
     from cbdsl.numeric.arrays import Floats
     from cbdsl.reporting.diagnoses import MarkedCause
-    from cbdsl.reporting.drawn_links import read_links
-    from cbdsl.reporting.link_pose import placed
+    from cbdsl.reporting.drawn_links import placed, read_links
     from cbdsl.reporting.recorded import Recorded, find_recordings, read_recording
     from cbdsl.runtime.causes import (
         BLOCKED,

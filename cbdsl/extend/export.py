@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from cbdsl.program.transition import title_of
     from cbdsl.program.uses import of_use
     from cbdsl.reporting.automaton_text import automata, member_kinds, state_text, transition_text
-    from cbdsl.reporting.drawn_links import DrawnLink, read_links
+    from cbdsl.reporting.drawn_links import DrawnLink, placed, read_links
     from cbdsl.reporting.export_format import EXPORTS, Export
-    from cbdsl.reporting.link_pose import placed
     from cbdsl.reporting.recorded import Recorded
     from cbdsl.storage.atomic_file import replace_file
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-from cbdsl.reporting.live.page_message import message
+from cbdsl.reporting.live.feed import message
 from cbdsl.runtime.episode_observer import EpisodeObserver
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cbdsl.cli.process.legible_output import raw
 from cbdsl.diagnostics.diagnostic import Diagnostic
@@ -16,6 +16,8 @@ from cbdsl.diagnostics.validation_report import ValidationReport
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from cbdsl.types.registry import Registry
 
 # Wide enough for every table in output that is not folded.
 _WIDTH_OF_PIPES = 200
@@ -69,6 +71,13 @@ def print_line(text: str) -> None:
 def print_problem(message: str) -> None:
     """Print the reason why a command failed."""
     print(f"cb: {one_line(message)}", file=sys.stderr)
+
+
+def warn_of_faults(*registries: Registry[Any]) -> None:
+    """Name the faulty plug-ins of registries, with their packages, on the standard error."""
+    for registry in registries:
+        for fault in registry.faults():
+            print_problem(f"warning: {fault}")
 
 
 @cache

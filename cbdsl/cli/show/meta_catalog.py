@@ -11,8 +11,7 @@ from cbdsl.cli.output.terminal import print_json
 from cbdsl.cli.show.formats import PICTURED, Format, Json, read_format
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.reporting.stack_command import stack_command
-from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
+from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text, stack_command
 from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from cbdsl.cli.episodes.simulation import needing_simulation
-from cbdsl.cli.output.plugin_warnings import warn_of_faults
-from cbdsl.cli.output.terminal import print_json, print_table
+from cbdsl.cli.output.terminal import print_json, print_table, warn_of_faults
 from cbdsl.cli.show.formats import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.documents.json_schema import meaning, properties
 from cbdsl.documents.kinds import KINDS

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.arguments.completion import names_of
-from cbdsl.cli.output.plugin_warnings import warn_of_faults
-from cbdsl.cli.output.terminal import print_json, print_table
+from cbdsl.cli.output.terminal import print_json, print_table, warn_of_faults
 from cbdsl.cli.show.allocations import show_allocations
 from cbdsl.cli.show.bindings import show_bindings
 from cbdsl.cli.show.catalog import show_catalog

@@ -13,8 +13,8 @@ from cbdsl.numeric.proportion import exact_interval
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
+from cbdsl.reporting.live.feed import message
 from cbdsl.reporting.live.live_view import LiveView
-from cbdsl.reporting.live.page_message import message
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.tick import Tick
 

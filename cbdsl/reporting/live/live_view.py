@@ -13,9 +13,8 @@ from cbdsl.program.transition import Transition
 from cbdsl.program.uses import of_use
 from cbdsl.reporting.automaton_text import AutomatonData, automata, transition_text
 from cbdsl.reporting.live.breakpoints import Breakpoints
-from cbdsl.reporting.live.feed import Feed
+from cbdsl.reporting.live.feed import Feed, Message, message
 from cbdsl.reporting.live.frame import frame, images
-from cbdsl.reporting.live.page_message import Message, message
 from cbdsl.reporting.live.transport import Transport
 from cbdsl.reporting.page import drawn_steps
 from cbdsl.runtime.episode_observer import EpisodeObserver

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -14,17 +15,18 @@ def catalog_text(catalog: CatalogDocument) -> str:
     if catalog.provenance is not None:
         origin = catalog.provenance
         head += f", after {origin.actions} actions on {origin.stage.name}"
-    rows = [(name, *count_cells(each)) for name, each in catalog.affordances.items()]
     titles = ("action", "rewarded", "95 % interval", "value", "model")
-    widths = [max(len(row[i]) for row in (titles, *rows)) for i in range(len(titles))]
-    lines = [head, ""]
-    lines.extend(
-        "  ".join(f"{cell:{w}s}" for cell, w in zip(row, widths, strict=True)).rstrip()
-        for row in (titles, *rows)
-    )
+    rows = [(name, *count_cells(each)) for name, each in catalog.affordances.items()]
+    lines = [head, "", *aligned([titles, *rows])]
     for name, each in catalog.affordances.items():
         lines += feature_lines(name, each)
     return "\n".join(lines) + "\n"
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a table, with all columns aligned left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
 
 def count_cells(affordance: AffordanceSection) -> tuple[str, str, str, str]:

@@ -1,16 +1,18 @@
-"""Meta-catalogs as text."""
+"""Meta-catalogs and their plans as text."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from cbdsl.reporting.text.catalog_text import count_cells, feature_lines
+from cbdsl.reporting.text.catalog_text import aligned, count_cells, feature_lines
 
 if TYPE_CHECKING:
     from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument, PairSection
 
 _TITLES = ("pair", "stayed", "95 % interval", "value", "model")
+# Programs by number of stacked objects, and their parameters for the channels, from below.
+_PROGRAMS = {2: ("stand", ("goal", "feature")), 3: ("stack_three", ("goal", "middle", "feature"))}
 
 
 def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
@@ -24,12 +26,7 @@ def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
         (f"{pair.upper} {pair.relation} {pair.lower}", *count_cells(pair))
         for pair in catalog.pairs.values()
     ]
-    widths = [max(len(row[i]) for row in (_TITLES, *rows)) for i in range(len(_TITLES))]
-    lines = [head, f"things: {things}", ""]
-    lines.extend(
-        "  ".join(f"{cell:{width}s}" for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in (_TITLES, *rows)
-    )
+    lines = [head, f"things: {things}", "", *aligned([_TITLES, *rows])]
     for name, pair in catalog.pairs.items():
         lines += feature_lines(name, pair)
         lines += _impedance_lines(name, pair)
@@ -57,3 +54,16 @@ def _impedance_lines(name: str, pair: PairSection) -> Iterator[str]:
     for direction, mean in measured.mean.items():
         tracked = measured.tracked.get(direction, 0)
         yield f"  {direction}  {mean:9.4g} {unit_of(direction):7s}  tracked {tracked}"
+
+
+def stack_command(channels: Sequence[str]) -> str | None:
+    """Return the command that stacks the objects of these channels, from below.
+
+    Returns:
+        Command, or ``None`` if no shipped program stacks so many.
+    """
+    if len(channels) not in _PROGRAMS:
+        return None
+    program, parameters = _PROGRAMS[len(channels)]
+    given = " ".join(f"--with {k}={c}" for k, c in zip(parameters, channels, strict=True))
+    return f"cb run {program} {given}"

@@ -17,8 +17,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.cli.episodes import live as module
+from cbdsl.reporting.live.feed import Message
 from cbdsl.reporting.live.live_view import LiveView
-from cbdsl.reporting.live.page_message import Message
 from cbdsl.runtime.tick import Tick
 from tests.cli.test_main import cb
 

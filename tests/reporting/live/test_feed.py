@@ -7,8 +7,7 @@ from threading import Thread
 
 import pytest
 
-from cbdsl.reporting.live.feed import Feed, FullError, PageCursor
-from cbdsl.reporting.live.page_message import Message, message
+from cbdsl.reporting.live.feed import Feed, FullError, Message, PageCursor, message
 
 
 def kinds(cursor: PageCursor) -> list[str]:

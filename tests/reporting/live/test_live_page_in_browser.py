@@ -19,10 +19,9 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.edit import EditTaken
 from cbdsl.reporting.live.breakpoints import Breakpoints
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
-from cbdsl.reporting.live.feed import Feed
+from cbdsl.reporting.live.feed import Feed, message
 from cbdsl.reporting.live.live_page import live_page
 from cbdsl.reporting.live.live_view import LiveView
-from cbdsl.reporting.live.page_message import message
 from cbdsl.reporting.live.page_server import LiveServer
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.transport import Transport

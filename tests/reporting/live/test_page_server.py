@@ -16,8 +16,7 @@ import pytest
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.live import page_server as module
-from cbdsl.reporting.live.feed import Feed
-from cbdsl.reporting.live.page_message import message
+from cbdsl.reporting.live.feed import Feed, message
 from cbdsl.reporting.live.page_server import TOKEN, LiveServer
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.transport import Transport
