@@ -69,14 +69,23 @@ can_make_environments || fail "$python cannot make virtual environments: install
 
 "$python" -m venv .venv
 install() { .venv/bin/python -m pip install --quiet --disable-pip-version-check "$@"; }
-# Left alone, pip would install the tool that builds them once for each project.
-install 'hatchling>=1.25' 'editables~=0.3'
-# One word per option.
-# shellcheck disable=SC2086
-install --no-deps --no-build-isolation $projects
-# What they need: they themselves are installed now.
-# shellcheck disable=SC2086
-install $names
+# Several times as fast as pip, but without pip's settings, such as another index.
+install_by_uv() {
+    install uv || return 1
+    # One word per option.
+    # shellcheck disable=SC2086
+    .venv/bin/uv pip install --quiet --python .venv/bin/python $projects $names
+}
+install_by_pip() {
+    # Left alone, pip would install the tool that builds them once for each project.
+    install 'hatchling>=1.25' 'editables~=0.3'
+    # shellcheck disable=SC2086
+    install --no-deps --no-build-isolation $projects
+    # What they need: they themselves are installed now.
+    # shellcheck disable=SC2086
+    install $names
+}
+install_by_uv || install_by_pip
 for library in .venv/lib/python3.*/site-packages/cmeel.prefix/lib; do
     [ -d "$library" ] || continue
     # Pinocchio needs OpenMP and does not bring it; the wheel of pykdtree holds a copy.

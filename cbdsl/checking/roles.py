@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -363,10 +364,11 @@ def _unstated(
 
 def _stated(path: Path, session: Session) -> set[str]:
     """Return the names of the values that robots at hand state."""
-    library = session.library
-    files = [library.find(RobotDocument, name, path) for name in library.names(RobotDocument, path)]
-    bodies = [session.body(file or UNKNOWN, Diagnostics()) for file in files]
-    robots = [each.document for each in bodies if not isinstance(each, Unknown)]
+    library, robots = session.library, []
+    for name in library.names(RobotDocument, path):
+        with suppress(DiagnosticsError):
+            if (file := library.find(RobotDocument, name, path)) is not None:
+                robots.append(library.read_sound_parts(file, RobotDocument).document)
     return {key for robot in robots for each in robot.effectors.values() for key in each.values}
 
 

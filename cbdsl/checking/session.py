@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from weakref import WeakKeyDictionary
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.robot import examine_robot
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 D = TypeVar("D", bound=Document)
 
 _Key = tuple[Path, frozenset[tuple[str, str]]]
+_Robots = dict[Path, tuple[Outcome[CheckedRobot], Diagnostics]]
+
+# Checked robots, which all sessions of a library share: they take most of the time.
+_ROBOTS: WeakKeyDictionary[Library, _Robots] = WeakKeyDictionary()
 
 
 class ProgramCheck(NamedTuple):
@@ -48,7 +53,7 @@ class Session:
     ) -> None:
         self.library, self.values = library or Library(), values or {}
         self.uses = Uses(self.library)
-        self._bodies: dict[Path, tuple[Outcome[CheckedRobot], Diagnostics]] = {}
+        self._bodies = _ROBOTS.setdefault(self.library, {})
         self._programs: dict[_Key, ProgramCheck] = {}
         self._sound: dict[Path, SoundControllers] = {}
 

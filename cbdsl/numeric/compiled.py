@@ -62,11 +62,6 @@ def _without_literals(dispatcher: Any) -> Any:
     return dispatcher
 
 
-def compilations() -> int:
-    """Return how many functions that Python calls this process has compiled."""
-    return sum(sum(kernel.stats.cache_misses.values()) for kernel in _kernels)
-
-
 def load_kept() -> int:
     """Load all kept machine code of the functions of imported modules; return their number.
 
@@ -83,10 +78,15 @@ def load_kept() -> int:
     return count
 
 
+def is_kept(kernel: Any) -> bool:
+    """Return whether machine code of a function that Python calls is loaded or kept."""
+    return bool(kernel.overloads) or kernel._cache.is_kept(kernel.targetctx.codegen())
+
+
 def uncompiled() -> frozenset[FunctionType]:
     """Return the functions of imported modules whose machine code is neither loaded nor kept."""
     functions: set[FunctionType] = set()
     for kernel in _kernels:
-        if not kernel.overloads and not kernel._cache.is_kept(kernel.targetctx.codegen()):
+        if not is_kept(kernel):
             functions |= reachable(kernel.py_func)
     return frozenset(functions)

@@ -23,7 +23,9 @@ from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
+from cbdsl.numeric.kernel_claim import claim, release
 from cbdsl.numeric.kernel_digest import NoDigestError, describe_type, digest_of
+from cbdsl.numeric.numba_settings import import_arrays_of_numba
 
 # Time without use after which a file is deleted, s.
 _UNUSED = 60 * 24 * 3600.0
@@ -53,12 +55,21 @@ class KernelCache(_Cache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the kept machine code of a signature, or ``None``."""
+        import_arrays_of_numba()
         target_context.refresh()
         file = self._file(sig, target_context.codegen())
-        return None if file is None else self._load(file, target_context)
+        if file is None:
+            return None
+        if (kept := self._load(file, target_context)) is None and problem() is None:
+            claim(file)
+            # Meanwhile another process may have compiled it.
+            if (kept := self._load(file, target_context)) is not None:
+                release(file)
+        return kept
 
     def load_others(self, loaded: Iterable[Any], target_context: Any) -> Iterator[Any]:
         """Yield the kept machine code of each signature that is not loaded."""
+        import_arrays_of_numba()
         target_context.refresh()
         codegen = target_context.codegen()
         known = {self._file(sig, codegen) for sig in loaded}
@@ -82,11 +93,13 @@ class KernelCache(_Cache):
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the machine code of a signature, unless it depends on this process."""
-        if data.library.has_dynamic_globals or any(not loop.can_cache for loop in data.lifted):
-            return
         file = self._file(sig, data.codegen)
-        if file is not None and problem() is None:
+        if file is None or problem() is not None:
+            return
+        depends = data.library.has_dynamic_globals or any(not e.can_cache for e in data.lifted)
+        if not depends:
             _write(file, dumps(data._reduce()))
+        release(file)
 
     def enable(self) -> None:
         """Do nothing: it is always enabled."""
@@ -147,6 +160,12 @@ def folder() -> Path | None:
         return Path(caches, "cbdsl", "kernels")
     has_home = os.path.isabs(home) and home != "/"
     return Path(home, ".cache", "cbdsl", "kernels") if has_home else None
+
+
+def kept_files() -> int:
+    """Return the number of files with machine code."""
+    place = folder()
+    return 0 if place is None else len([*place.glob("*.nbc")])
 
 
 _problems: list[str] = []

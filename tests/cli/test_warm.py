@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.cli import warm
+from cbdsl.control import potential_registry
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_warm_says_where_machine_code_is_kept(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(warm, "_compile_potentials", lambda: None)
+    monkeypatch.setattr(potential_registry, "compile_potentials", lambda: None)
     warm.warm()
     assert "functions compiled in" in capfd.readouterr().out
 
