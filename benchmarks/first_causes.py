@@ -19,7 +19,9 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
-from injected_causes import DEVELOPED, JUDGED, Edits, Injection
+from developed_causes import DEVELOPED
+from injected_causes import Edits, Injection
+from judged_causes import JUDGED
 
 import cbdsl
 from cbdsl.backends.simulated_backend import SimulatedBackend

@@ -1,0 +1,210 @@
+"""Injected causes with which the explanations of ``cb why`` were developed."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from injected_causes import Injection, late, noisy, unlisted
+from injected_faults import (
+    ChangedModel,
+    Distortion,
+    Drift,
+    FrozenJoint,
+    Halt,
+    InjectedSlip,
+    LateCommands,
+    OneEye,
+    Removal,
+    StaleImages,
+    Wind,
+    cropped_loads,
+    drifting_loads,
+    heavy_world,
+    offset_joint,
+    rolled_camera,
+    scaled_joint,
+    scaled_loads,
+    shifted_rows,
+    sideways_world,
+    stuck_fingers,
+    tough_joint,
+    weak_drives,
+)
+
+_PICK, _TOUCH, _PANDA = "pick_and_lift", "reachtouch", "pick"
+_STAGE = "cube_on_bench"
+_STEPS = (
+    "  reachtouch: {then: ease, failed: back_off}\n  ease: {then: grip}\n"
+    "  grip: {exits: [grip at rest: lift], failed: back_off}\n"
+)
+_SWAPPED = (
+    "  grip: {exits: [grip at rest: ease], failed: back_off}\n  ease: {then: reachtouch}\n"
+    "  reachtouch: {then: lift, failed: back_off}\n"
+)
+_RETRY, _AGAIN = "[back_off at rest: reachtouch]", "[back_off at rest: grip]"
+_SEEN = "    reference: $eyes.$feature\n"
+_OFF = '    reference: "stereo.$feature + [0 cm, {} cm, 0 cm]"\n'
+_DOWN = "    reference: [180 deg, 0 deg, 0 deg]\n"
+_TILTED = "    reference: [130 deg, 0 deg, 0 deg]\n"
+# A taller block close beside the cube, on which fingers close as well.
+_GRASP, _TABLE, _SIDE = "grasp", "things_on_table", "take_from_side"
+_BLOCK = "  block: {form: {shape: box, size: [8 cm, 8 cm, 13 cm]}, mass: 2 kg, color: [0, 0, 1]}\n"
+_BESIDE = (
+    "  cube:\n    joints: {pan: [-0.65 rad, -0.25 rad], tilt: 1 rad}\n    placed:\n"
+    "      cube: {things: [cube], place: {on: table, x: [45 cm, 60 cm], y: [-30 cm, -15 cm]}}\n"
+    "      block: {things: [block], place: {beside: {name: cube, by: 9 cm}}}\n"
+)
+_APPROACH, _SIZE = (
+    "    effector: $arm.position\n",
+    "size: [0.58 span, 0.58 span, 0.58 span]",
+)
+_TOP = "  reach: posture ◁ orient ◁ approach\n"
+_SHORT = ("episode_time: 90 s", "episode_time: 30 s")
+# A post on the way of the fingers.
+_POST = (
+    (
+        "contexts:\n",
+        "  post: {form: {shape: box, size: [4 cm, 4 cm, 18 cm]}, mass: 3 kg, color: [0, 0, 0.5]}\n"
+        "contexts:\n",
+    ),
+    (
+        "    things: [ball]\n    place: &half_of_table {on: table, x: [40 cm, 70 cm],"
+        " y: [-38 cm, -6 cm], yaw: [-90 deg, 90 deg]}\n    joints: &looking",
+        "    placed:\n      ball:\n        things: [ball]\n"
+        "        place: &half_of_table {on: table, x: [45 cm, 60 cm], y: [-30 cm, -15 cm]}\n"
+        "      post: {things: [post], place: {beside: {name: ball, by: 9 cm}}}\n"
+        "    joints: &looking",
+    ),
+)
+_ONLY = tuple(
+    (f"  {name}: {{things: [{name}], place: *half_of_table, joints: *looking}}\n", "")
+    for name in ("cube", "cylinder", "light_box")
+)
+_BELOW = "  reach: orient ◁ approach ◁ posture\n"
+
+#: Injections with which explanations were developed.
+DEVELOPED = (
+    Injection("no_grasp", _PICK, {_TOUCH: [("2 cm, until: $hand.shut", "2 cm, until: 0.4 rad")]}),
+    Injection("slip", _PICK, fault=InjectedSlip),
+    Injection("translation", _PICK, {_TOUCH: [(_SEEN, _OFF.format(14))]}),
+    Injection("rotation", _PICK, {_TOUCH: [(_DOWN, _TILTED)]}),
+    Injection(
+        "no_rotation",
+        _PICK,
+        {_TOUCH: [("posture ◁ orient ◁ approach", "posture ◁ approach")], _PICK: [_SHORT]},
+    ),
+    Injection("wrong_object", _PICK, {_TABLE: [*_POST, *_ONLY], _PICK: [_SHORT]}),
+    Injection("wrong_order", _PICK, {_PICK: [(_STEPS, _SWAPPED), (_RETRY, _AGAIN)]}),
+    Injection("never_seen", "reach", stage="absent"),
+    Injection("lost", _PICK, fault=Removal),
+    Injection("occluded", _PICK, fault=OneEye),
+    Injection("out_of_reach", "reach", stage="out_of_reach"),
+    Injection("no_action", _PICK, {_TOUCH: [("  X0*: reach ◁ touch\n", "")]}),
+    Injection("time", _PICK, {_PICK: [("episode_time: 90 s", "episode_time: 4 s")]}),
+    Injection("not_followed", _PICK, fault=FrozenJoint),
+    Injection("backend", _PICK, fault=Halt),
+    unlisted(
+        "no rest",
+        _PICK,
+        {_TOUCH: [("rate: 5e-4, window: 0.5 s", "rate: 1e-15, window: 0.5 s")]},
+    ),
+    unlisted(
+        "cameras off",
+        _PICK,
+        {_TABLE: [("contexts:\n", "disturbance: {camera_position: 6 cm}\ncontexts:\n")]},
+    ),
+    unlisted(
+        "mass",
+        _PICK,
+        {_TABLE: [*3 * [("mass: 250 g", "mass: 8 kg")], ("mass: 80 g", "mass: 8 kg")]},
+    ),
+    unlisted("no loads", _PICK, fault=partial(Distortion, scaled_loads(0.0))),
+    unlisted("small loads", _PICK, fault=partial(Distortion, scaled_loads(0.1))),
+    unlisted("drifting loads", _PICK, fault=partial(Distortion, drifting_loads)),
+    unlisted("encoder offset", _PICK, fault=partial(Distortion, offset_joint)),
+    unlisted("shifted rows", _PICK, fault=partial(Distortion, shifted_rows)),
+    unlisted("drift", _PICK, {_PICK: [_SHORT]}, Drift),
+    unlisted("stale images", _PICK, fault=lambda backend: Distortion(StaleImages(), backend)),
+    Injection("no_grasp", _PANDA, {_TOUCH: [("until: $hand.shut", "until: 30 mm")]}),
+    Injection("slip", _PANDA, fault=InjectedSlip),
+    Injection("slip", _PANDA, {_STAGE: [("mass: 100 g", "mass: 100 g, friction: 0.02")]}),
+    Injection("translation", _PANDA, {_TOUCH: [(_SEEN, _OFF.format(12))]}),
+    Injection("rotation", _PANDA, {_TOUCH: [(_DOWN, _TILTED)]}),
+    Injection(
+        "rotation",
+        _SIDE,
+        {_SIDE: [("    reference: stereo.$feature.on.$goal.beside.$arm\n", _DOWN)]},
+    ),
+    Injection(
+        "no_rotation", _PANDA, {_TOUCH: [("posture ◁ orient ◁ approach", "posture ◁ approach")]}
+    ),
+    Injection(
+        "no_rotation",
+        _SIDE,
+        {
+            _SIDE: [
+                ("◁ turn ◁ between", "◁ between"),
+                ("approach ◁ turn ◁ aloft", "approach ◁ aloft"),
+                ("approach at rest and turn at rest", "approach at rest"),
+            ]
+        },
+    ),
+    Injection(
+        "wrong_object",
+        _GRASP,
+        {
+            _TABLE: [
+                ("contexts:\n", f"{_BLOCK}\ncontexts:\n{_BESIDE}"),
+                ("  cube: {things: [cube], place: *half_of_table, joints: *looking}\n", ""),
+            ]
+        },
+    ),
+    Injection(
+        "wrong_order",
+        _PANDA,
+        {
+            _PANDA: [
+                ("  grasp: {then: hold}\n", ""),
+                ("retreat: {then: succeed}", "retreat: {then: grasp}\n  grasp: {then: succeed}"),
+                ("hold undefined: grasp", "hold undefined: end"),
+            ]
+        },
+    ),
+    Injection("never_seen", _PANDA, {_STAGE: [("color: [1, 0, 0]", "color: [0.5, 0.5, 0.5]")]}),
+    Injection("lost", _PANDA, fault=Removal),
+    Injection("occluded", _PANDA, fault=OneEye),
+    Injection(
+        "out_of_reach",
+        _PANDA,
+        {
+            _STAGE: [
+                ("size: [0.6 reach,", "size: [1.3 reach,"),
+                ("position: [bench.x,", "position: [bench.x + 0.45 reach,"),
+                ("x: [bench.x - 0.08 reach, bench.x + 0.08 reach]", "x: [86 cm, 90 cm]"),
+            ]
+        },
+    ),
+    Injection("held", _PANDA, {_TOUCH: [(_TOP, _BELOW)]}),
+    Injection("no_action", _PANDA, {_TOUCH: [("  X10: reach ◁ touch\n", "")]}),
+    Injection("time", _PANDA, {_PANDA: [("episode_time: 90 s", "episode_time: 3 s")]}),
+    Injection("not_followed", _PANDA, fault=FrozenJoint),
+    Injection("backend", _PANDA, fault=Halt),
+    unlisted("gravity", _PANDA, fault=partial(ChangedModel, heavy_world)),
+    unlisted("askew", _PANDA, fault=partial(ChangedModel, sideways_world)),
+    unlisted("friction of a joint", _PANDA, fault=partial(ChangedModel, tough_joint)),
+    unlisted("weak drives", _PANDA, fault=partial(ChangedModel, weak_drives)),
+    unlisted("wind", _PANDA, fault=Wind),
+    unlisted("late commands", _PANDA, fault=partial(LateCommands, 20)),
+    unlisted("late loads", _PANDA, fault=late("loads", 40)),
+    unlisted("late encoders", _PANDA, fault=late("positions", 12)),
+    unlisted("late images", _PANDA, fault=late("regions", 40)),
+    unlisted("jittering clock", _PANDA, fault=noisy("time", 0.003)),
+    unlisted("noisy encoders", _PANDA, fault=noisy("positions", 0.05)),
+    unlisted("scaled encoder", _PANDA, fault=partial(Distortion, scaled_joint)),
+    unlisted("stuck encoder", _PANDA, fault=partial(Distortion, stuck_fingers)),
+    unlisted("saturated loads", _PANDA, fault=partial(Distortion, cropped_loads)),
+    unlisted("rolled camera", _PANDA, fault=partial(Distortion, rolled_camera)),
+    unlisted("gain", _PANDA, {_TOUCH: [(_APPROACH, f"{_APPROACH}    gain: 200 /s\n")]}),
+    unlisted("unit of size", _PANDA, {_STAGE: [(_SIZE, "size: [4 cm, 4 cm, 4 mm]")]}),
+    unlisted("unit of mass", _PANDA, {_STAGE: [("mass: 100 g", "mass: 100 kg")]}),
+)
