@@ -80,6 +80,29 @@ _ONLY = tuple(
     (f"  {name}: {{things: [{name}], place: *half_of_table, joints: *looking}}\n", "")
     for name in ("cube", "cylinder", "light_box")
 )
+_ACROSS = "    reference: [100 deg, 0 deg, 0 deg]\n"
+_WIDE = "size: [0.58 span, 0.58 span, 0.9 span]"
+_ALONG = "    reference: stereo.$feature.on.$goal.beside.$arm\n"
+_LEVEL = "    reference: [-90 deg, 0 deg, 0 deg]\n"
+_BETWEEN = "    potential: spring\n    reference: stereo.$feature\n    feedback: $hand.centre\n"
+_ASIDE = _BETWEEN.replace("stereo.$feature", '"stereo.$feature + [0 cm, 12 cm, 0 cm]"')
+# A block as high as the cube, close to it, in the color of nothing sought.
+_CLOSE = (
+    (
+        "contexts:\n",
+        "  block: {form: {shape: box, size: [0.5 span, 0.5 span, 1.2 span]}, mass: 2 kg,"
+        " color: [0, 0, 1]}\ncontexts:\n",
+    ),
+    (
+        "    things: [cube]\n    place:\n      on: bench\n",
+        "    placed:\n      block: {things: [block], place: {beside: {name: cube, by: 6 cm}}}\n"
+        "      cube:\n        things: [cube]\n        place:\n          on: bench\n",
+    ),
+    *(
+        (f"\n      {key}: [{value}", f"\n          {key}: [{value}")
+        for key, value in (("x", "bench.x"), ("y", "bench.y"), ("yaw", "-45"))
+    ),
+)
 _BELOW = "  reach: orient ◁ approach ◁ posture\n"
 
 #: Injections with which explanations were developed.
@@ -207,4 +230,42 @@ DEVELOPED = (
     unlisted("gain", _PANDA, {_TOUCH: [(_APPROACH, f"{_APPROACH}    gain: 200 /s\n")]}),
     unlisted("unit of size", _PANDA, {_STAGE: [(_SIZE, "size: [4 cm, 4 cm, 4 mm]")]}),
     unlisted("unit of mass", _PANDA, {_STAGE: [("mass: 100 g", "mass: 100 kg")]}),
+    # Variants that fail on the Panda, whose gripper takes a small cube with a tilted hand.
+    Injection("no_grasp", _PANDA, {_TOUCH: [("until: $hand.shut", "until: 60 mm")]}),
+    Injection("translation", _PANDA, {_TOUCH: [(_SEEN, _OFF.format(7))]}),
+    Injection("rotation", _PANDA, {_TOUCH: [(_DOWN, _ACROSS)], _STAGE: [(_SIZE, _WIDE)]}),
+    Injection("rotation", _GRASP, {_TOUCH: [(_DOWN, "    reference: [90 deg, 0 deg, 0 deg]\n")]}),
+    Injection("no_rotation", _GRASP, {_TOUCH: [(_TOP, "  reach: approach\n")]}),
+    Injection("no_rotation", _PICK, {_TOUCH: [(_TOP, "  reach: approach\n")], _PICK: [_SHORT]}),
+    Injection("no_rotation", _PANDA, {_TOUCH: [(_TOP, "  reach: approach\n")]}),
+    Injection("rotation", _SIDE, {_SIDE: [(_ALONG, _LEVEL)]}),
+    Injection("translation", _SIDE, {_SIDE: [(_BETWEEN, _ASIDE)]}),
+    Injection("no_grasp", _SIDE, {_SIDE: [("touch($hand, 4 N)", "touch($hand, 60 N)")]}),
+    Injection("slip", _SIDE, fault=InjectedSlip),
+    Injection(
+        "wrong_order",
+        _SIDE,
+        {
+            _SIDE: [
+                (
+                    "approach at rest and turn at rest: aloft",
+                    "approach at rest and turn at rest: touch",
+                )
+            ]
+        },
+    ),
+    Injection("wrong_object", _PANDA, {_STAGE: _CLOSE}),
+    unlisted("gravity", _PICK, fault=partial(ChangedModel, heavy_world)),
+    unlisted("wind", _PICK, {_PICK: [_SHORT]}, Wind),
+    unlisted("late commands", _PICK, {_PICK: [_SHORT]}, partial(LateCommands, 20)),
+    unlisted("late loads", _PICK, {_PICK: [_SHORT]}, late("loads", 40)),
+    unlisted("late images", _PICK, {_PICK: [_SHORT]}, late("regions", 40)),
+    unlisted("weak drives", _PICK, {_PICK: [_SHORT]}, partial(ChangedModel, weak_drives)),
+    unlisted("rolled camera", _GRASP, fault=partial(Distortion, rolled_camera)),
+    unlisted("encoder offset", _PANDA, fault=partial(Distortion, offset_joint)),
+    unlisted("shifted rows", _PANDA, fault=partial(Distortion, shifted_rows)),
+    unlisted("drifting loads", _PANDA, fault=partial(Distortion, drifting_loads)),
+    unlisted("no loads", _PANDA, fault=partial(Distortion, scaled_loads(0.0))),
+    unlisted("stale images", _PANDA, fault=lambda backend: Distortion(StaleImages(), backend)),
+    unlisted("drift", _PANDA, {}, Drift),
 )

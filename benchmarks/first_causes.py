@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import time
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
@@ -47,6 +48,8 @@ _NEAR = 0.2
 _TIME = 90.0
 # File that lists the kept recordings, one JSON array a line.
 _INDEX = "recordings.jsonl"
+# Use of a program in the text of another.
+_USED = re.compile(r"program: (\w+)[,}\n]")
 
 
 class CauseVerdict(NamedTuple):
@@ -100,8 +103,7 @@ def recorded(
     injection = chosen[index]
     with TemporaryDirectory() as folder:
         program = written(injection.edits, Path(folder), injection.program, options.time)
-        on = {"robot": "panda"} if injection.program == "pick" else {}
-        request = cbdsl.load(program, stage=injection.stage or None, values=on)
+        request = cbdsl.load(program, stage=injection.stage or None, values=injection.values)
         # A new backend for each episode: faults change it.
         with cbdsl.simulate(request, backend=options.backend, cameras="ideal") as world:
             robot = world.robot.backend
@@ -172,7 +174,20 @@ def written(edits: Edits, folder: Path, program: str, limit: float = _TIME) -> s
         target.write_text(library.text(library.locate(ProgramDocument, program)), "utf-8")
     text = target.read_text("utf-8")
     target.write_text(text.replace("episode_time: 90 s", f"episode_time: {limit:g} s"), "utf-8")
+    _write_used(library, target)
     return target
+
+
+def _write_used(library: Library, user: Path) -> None:
+    """Write the programs that a program uses beside it.
+
+    A used program would otherwise use the shipped document in place of an edited one.
+    """
+    for name in _USED.findall(user.read_text("utf-8")):
+        file = user.with_name(f"{name}.yaml")
+        if not file.exists():
+            file.write_text(library.text(library.locate(ProgramDocument, name)), "utf-8")
+        _write_used(library, file)
 
 
 def table(results: Sequence[CauseVerdict]) -> str:

@@ -37,6 +37,11 @@ class Injection(NamedTuple):
         """Name of the cause, or its kind."""
         return self.name or self.kind
 
+    @property
+    def values(self) -> Mapping[str, str]:
+        """Parameters of the program, by name."""
+        return {"robot": "panda"} if self.program == "pick" else {}
+
 
 def late(key: str, ticks: int) -> Callable[[SimulatedBackend[Any]], WorldFault]:
     """Return the fault of one kind of readings that arrives some ticks, or exposures, late."""

@@ -22,7 +22,8 @@ _ALL = [*(("developed", each) for each in DEVELOPED), *(("judged", each) for eac
 )
 def test_injection_makes_a_program_that_loads(injection: Injection, tmp_path: Path) -> None:
     program = written(injection.edits, tmp_path, injection.program)
-    assert cbdsl.load(program, stage=injection.stage or None).program.name == injection.program
+    request = cbdsl.load(program, stage=injection.stage or None, values=injection.values)
+    assert request.program.name == injection.program
 
 
 def test_judged_programs_are_not_those_of_the_development() -> None:
@@ -54,7 +55,7 @@ def test_table_counts_failed_episodes_by_kind() -> None:
 
 
 def test_verdict_on_an_unseen_object_is_right(tmp_path: Path) -> None:
-    (index,) = [place for place, each in enumerate(DEVELOPED) if each.kind == "never_seen"]
+    index, *_ = [place for place, each in enumerate(DEVELOPED) if each.kind == "never_seen"]
     options = argparse.Namespace(backend="kinematic", time=90.0)
     row = recorded(DEVELOPED, index, 0, options, tmp_path)
     assert [*kept(tmp_path, [index])] == [row]
