@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.extend.diagnosis import Floats, quaternion_about, turned
 from cbdsl_why.history import ControllerCourse, FailureCause, History, spans
+from cbdsl_why.orientations import oriented, turned_hand
+from cbdsl_why.wrong_objects import one_sided, strays
 
-# Angle between a hand and its orientation at the object above which it is turned, rad.
-_TURNED = math.radians(15)
-# Share of an initial error that remains if nothing turned.
-_UNTURNED = 0.8
 # Distance that an object moves because of a touch, m, and the force of that touch, N.
 _MOVED, _TOUCH = 0.03, 0.2
 # Time after a touch in which the object moves because of it, s.
 _AFTER = 1.0
 # Force of a fingertip that presses on something, N.
 _PRESSED = 1.0
+# Time for which an object stops a hand, s.
+_STOPS = 1.0
 # Number of ticks of a change of action.
 _CHANGE = 3
 #: Share of the mean distance of open fingers from their centre up to which an object is between.
@@ -47,7 +45,7 @@ def contact(history: History) -> Iterator[FailureCause]:
         courses = [each for each in history.courses if each.effector == hand and each.grasps]
         held = np.any([history.rests(each) for each in courses], axis=0)
         last_held = max(np.flatnonzero(held), default=-1)
-        for kind in (_slips, _strays, _misses):
+        for kind in (_slips, _unheld, strays, _misses, _stops):
             events = list(kind(history, courses))
             # A hand that lost an object and held it again has recovered, unless it lost it again.
             if events and events[-1].tick > last_held:
@@ -81,6 +79,21 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
         yield FailureCause("slip", ends, f"{clause} and then nothing", {"force": force})
 
 
+def _unheld(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
+    """Yield the ticks in which a hand lost an object that it pressed, and had never held one."""
+    if np.any([history.rests(each) for each in courses]):
+        return
+    force = history.forces(courses[0].effector)
+    for course in courses if any(each.member for each in courses) else ():
+        for first, last in spans(course.defined):
+            if last == history.last or last - first < history.ticks(_STOPS):
+                continue
+            if history.lacks(course)[last : last + 1 + _CHANGE].any():
+                most = force[first : last + 1].max()
+                clause = f"{course.name} pressed with up to {most:.1f} N, held nothing and lost it"
+                yield FailureCause("no_grasp", last + 1, clause, {"force": float(most)})
+
+
 def _opens(history: History, hand: str, tick: int) -> bool:
     """Return whether a member opens or shapes a hand at a tick."""
     before = slice(max(0, tick - _CHANGE), tick)
@@ -88,18 +101,6 @@ def _opens(history: History, hand: str, tick: int) -> bool:
         each.member and each.effector == hand and not each.grasps and each.acts[before].any()
         for each in history.courses
     )
-
-
-def _strays(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
-    """Yield the ticks in which fingertips touched something else than the sought object."""
-    for course in courses:
-        for first, last in spans(course.flag("astray")):
-            pressed = history.forces(course.effector)[first : last + 1] > _PRESSED
-            if not pressed.any():
-                continue
-            first += int(pressed.argmax())
-            clause = f"{course.name} felt something else than the object it sought"
-            yield FailureCause("wrong_object", first, clause)
 
 
 def _misses(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
@@ -131,7 +132,8 @@ def _attempts(history: History, course: ControllerCourse) -> Iterator[GraspAttem
         if len(tried) or (on_way[ticks] == 0).all():
             over += ended & {last, last + 1, last + 2}
         if over:
-            yield GraspAttempt(course, int(tried[0]) if len(tried) else first, int(min(over)))
+            last = int(min(over))
+            yield GraspAttempt(course, int(tried[0]) if len(tried) else last, last)
 
 
 def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
@@ -144,17 +146,43 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
             clause = "before any controller had brought the hand to an object"
             return FailureCause("wrong_order", first, f"{closed}, {clause}")
         return FailureCause("no_grasp", last, closed)
-    signal, position = place
-    radius = BETWEEN * history.spread(course.effector, first)
-    if radius:
-        beside = history.beside(course.effector, first, position)
-        if beside > radius:
-            clause = f"{closed}, {100 * beside:.1f} cm beside {signal}: its fingers hold within"
-            numbers = {"beside": beside, "radius": radius}
-            return FailureCause("translation", first, f"{clause} {100 * radius:.1f} cm", numbers)
-    return _turned(history, first, closed) or FailureCause(
-        "no_grasp", last, f"{closed} at {signal}"
+    signal = place[0]
+    beside = _beside(history, course.effector, first, closed, place)
+    if beside is not None:
+        return _left_out(history, attempt, signal, closed) or beside
+    return (
+        one_sided(history, course, (first, last), signal)
+        or turned_hand(history, course.effector, first, closed)
+        or FailureCause("no_grasp", last, f"{closed} at {signal}")
     )
+
+
+def _beside(
+    history: History, hand: str, tick: int, closed: str, place: tuple[str, np.ndarray]
+) -> FailureCause | None:
+    """Return the translation of a hand that was beside an object at a tick, if it was."""
+    signal, position = place
+    radius = BETWEEN * history.spread(hand, tick)
+    if not radius:
+        return None
+    beside = history.beside(hand, tick, position)
+    clause = f"{closed}, {100 * beside:.1f} cm beside {signal}: its fingers hold within"
+    numbers = {"beside": beside, "radius": radius}
+    cause = FailureCause("translation", tick, f"{clause} {100 * radius:.1f} cm", numbers)
+    return cause if beside > radius else None
+
+
+def _left_out(
+    history: History, attempt: GraspAttempt, signal: str, closed: str
+) -> FailureCause | None:
+    """Return the order of a hand that closed before the last approach of its program."""
+    course, first, _ = attempt
+    own = [e for e in history.approaches if e.base == signal and e.program == course.program]
+    acted = [each for each in own if each.acts[: first + 1].any()]
+    left = [each for each in own if not each.acts[: first + 1].any()]
+    if not acted or not left:
+        return None
+    return FailureCause("wrong_order", first, f"{closed} before {left[0].name} had moved the hand")
 
 
 def approached(history: History, tick: int) -> tuple[str, np.ndarray] | None:
@@ -169,66 +197,6 @@ def approached(history: History, tick: int) -> tuple[str, np.ndarray] | None:
         if len(known):
             latest, place = int(acted[-1]), (course.base, values[known[-1]])
     return place
-
-
-def _turned(history: History, tick: int, closed: str) -> FailureCause | None:
-    """Return the orientation that a hand did not have at a tick, if any."""
-    signals = history.summary["signals"]
-    courses = [
-        each
-        for each in history.courses
-        if signals.get(each.feedback, {}).get("type") == "orientation"
-    ]
-    acted = [each for each in courses if each.acts[: tick + 1].any()]
-    if courses and not acted:
-        clause = f"{closed}: {courses[0].name} had not turned the hand before"
-        return FailureCause("no_rotation", tick, clause)
-    for course in acted:
-        errors = course.errors[: tick + 1][~np.isnan(course.errors[: tick + 1])]
-        if len(errors) and errors[-1] > _TURNED:
-            kind = "no_rotation" if errors[-1] > _UNTURNED * errors[0] else "rotation"
-            left = course.measure(float(errors[-1]))
-            clause = f"{closed}: {course.name} was still {left} from its orientation"
-            return FailureCause(kind, tick, clause, {"error": float(errors[-1])})
-    wrong = _at_odds(history, tick, acted, courses)
-    if wrong is None:
-        return None
-    clause = f"{closed}, turned by {math.degrees(wrong[1]):.0f} deg against {wrong[0]}"
-    return FailureCause("rotation", tick, clause, {"angle": wrong[1]})
-
-
-def _at_odds(
-    history: History, tick: int, acted: list[ControllerCourse], courses: list[ControllerCourse]
-) -> tuple[str, float] | None:
-    """Return the name of another orientation that a hand should have, and the angle, rad.
-
-    These are the object that a reference is relative to, and constants of other controllers, whose
-    tilts are compared.
-    """
-    values = history.recorded.signals
-    for course in acted:
-        if history.channels(course.base):
-            turn = values[course.feedback][tick].T @ values[course.base][tick]
-            angle = math.acos(min(1.0, max(-1.0, (float(np.trace(turn)) - 1.0) / 2.0)))
-            if angle > _TURNED:
-                return course.base, angle
-        for other in courses:
-            tilts = [_tilt(each.reference) for each in (course, other)]
-            if other.feedback == course.feedback and tilts[0] is not None and tilts[1] is not None:
-                angle = math.acos(min(1.0, max(-1.0, float(tilts[0] @ tilts[1]))))
-                if angle > _TURNED:
-                    return other.name, angle
-    return None
-
-
-def _tilt(reference: str) -> Floats | None:
-    """Return the z axis of a constant orientation, shape (3,); ``None`` for another reference."""
-    try:
-        vector = np.array([float(each) for each in reference.split(",")])
-    except ValueError:
-        return None
-    angle = float(np.linalg.norm(vector))
-    return turned(quaternion_about(vector / (angle or 1.0), angle), np.array([0.0, 0.0, 1.0]))
 
 
 def _moved(history: History) -> Iterator[FailureCause]:
@@ -256,6 +224,32 @@ def _moved(history: History) -> Iterator[FailureCause]:
             clause = f"{hand} moved {signal} by {100 * far:.1f} cm before it held it"
             breaks = np.flatnonzero(np.diff(touched) > history.ticks(_AFTER))
             tick = int(touched[breaks[-1] + 1 if len(breaks) else 0])
-            yield _turned(history, tick, clause) or FailureCause(
-                "moved_by_touch", tick, clause, {"distance": far}
+            yield (
+                _beside(history, hand, tick, clause, (signal, values[known[-1]]))
+                or turned_hand(history, hand, tick, clause)
+                or FailureCause("moved_by_touch", tick, clause, {"distance": far})
             )
+
+
+def _stops(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
+    """Yield the ticks in which an object stopped a hand short of it, until an action ended.
+
+    A hand that points along its way has the object between its fingers. Another one stands on it.
+    """
+    hand = courses[0].effector
+    pushes = history.pushes(hand)
+    for course in history.approaches if pushes.any() else ():
+        short = pushes & course.acts & (course.letters == "0")
+        for first, last in spans(short):
+            if last - first < history.ticks(_STOPS) or course.rests_after(last):
+                continue
+            last -= int(np.isnan(course.errors[first : last + 1])[-1])
+            signal, left = course.base, course.measure(float(course.errors[last]))
+            clause = f"{signal} stopped {hand}, {left} from the target of {course.name}"
+            place = (signal, history.known(signal)[first])
+            yield (
+                _beside(history, hand, first, clause, place)
+                or turned_hand(history, hand, first, clause)
+                or oriented(history, hand, (first, last), clause)
+            )
+            break

@@ -28,7 +28,7 @@ def order(history: History) -> Iterator[FailureCause]:
         if required is None or not course.member or not len(lacks) or not required.grasps:
             continue
         hand = [each for each in history.courses if each.effector == required.effector]
-        tried = np.any([history.rests(each) for each in hand if each.grasps], axis=0)
+        tried = np.any([history.rests(each) | each.defined for each in hand if each.grasps], axis=0)
         if tried[: lacks[0]].any() or lacks[-1] < max(np.flatnonzero(tried), default=-1):
             continue
         closed = [np.flatnonzero(each.flag("exhausted")) for each in hand if each.grasps]

@@ -16,8 +16,6 @@ from cbdsl.extend.diagnosis import (
     SIGHT,
     Floats,
     Recorded,
-    placed,
-    product,
     read_links,
     turned,
 )
@@ -32,6 +30,13 @@ HALT, EVENT, END = range(3)
 AGES = 3
 #: Force of a load cell above which a hand is in contact, N.
 CONTACT = 0.3
+#: Kinds of ``SIGHT`` in which the images show an object.
+SHOWN = ("seen", "several")
+# Distance of an object from the fingers below which it may touch the hand beside its cells, m.
+_NEAR = 0.2
+# Lag of a joint that pushes, and motion of one that is stopped, as shares of the largest lead, and
+# the time of that motion, s.
+_PUSHES, _STILL, _STOPPED = 0.5, 0.25, 0.3
 
 
 class FailureCause(NamedTuple):
@@ -91,6 +96,11 @@ class ControllerCourse(NamedTuple):
     def flag(self, name: str) -> Mask:
         """Return the ticks in which a fact of ``FLAGS`` holds, shape (T,)."""
         return self.flags[:, FLAGS.index(name)]
+
+    def rests_after(self, tick: int) -> bool:
+        """Return whether it came to rest at its target after a tick."""
+        arrived = (self.letters == "1") & ~self.flag("stuck")
+        return bool(arrived[tick + 1 :].any())
 
     @property
     def defined(self) -> Mask:
@@ -230,6 +240,11 @@ class History:
             SIGHT[int(code)] for code in self.recorded.arrays["sight"][:, channels.index(channel)]
         ]
 
+    def sees(self, signal: str, kinds: Sequence[str]) -> Mask:
+        """Return the ticks in which a signal's sight is of some kinds of ``SIGHT``, shape (T,)."""
+        seen: Mask = np.isin(np.array(self.sight(self.channels(signal)[0])), kinds)
+        return seen if len(seen) else np.zeros(len(self.time), dtype=bool)
+
     @cached_property
     def places(self) -> Mapping[str, Floats]:
         """Positions of seen objects by the name of their signal, m, shape (T, 3)."""
@@ -270,7 +285,7 @@ class History:
         cells = self.summary["robot"].get("cells", {})
         links = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
         known = [self._names.index(link) for link in links if link in self._names]
-        return np.array([self._pose(place, tick)[0] for place in known]).reshape(-1, 3)
+        return np.array([self._track(place)[0][tick] for place in known]).reshape(-1, 3)
 
     def spread(self, hand: str, tick: int) -> float:
         """Return the mean distance of the fingers from their centre, m; 0 for a single finger."""
@@ -281,6 +296,61 @@ class History:
     def beside(self, hand: str, tick: int, position: Floats) -> float:
         """Return the horizontal distance of a position from the centre of the fingers, m."""
         return float(np.linalg.norm((position - self.fingers(hand, tick).mean(axis=0))[:2]))
+
+    def known(self, signal: str) -> Floats:
+        """Return the last known positions of a seen object, m, shape (T, 3), NaN before any."""
+        values = self.places[signal]
+        ticks = np.where(np.isnan(values[:, 0]), -1, np.arange(len(values)))
+        latest = np.maximum.accumulate(ticks)
+        known: Floats = np.where(latest[:, None] < 0, np.nan, values[np.maximum(latest, 0)])
+        return known
+
+    @cached_property
+    def near(self) -> Mask:
+        """True while any hand is at a seen object, which may touch it beside its cells, (T,)."""
+        near = np.zeros(len(self.time), dtype=bool)
+        cells = self.summary["robot"].get("cells", {})
+        links = {link for cell, link in cells.items() if cell.split(".")[0] in self.hands}
+        for link in links & set(self._names):
+            fingers = self._track(self._names.index(link))[0]
+            for signal in self.places:
+                distances = np.linalg.norm(fingers - self.known(signal), axis=1)
+                near |= np.nan_to_num(distances, nan=np.inf) < _NEAR
+        return near
+
+    def arm_joints(self, hand: str) -> list[int]:
+        """Return the columns of the joints that carry a hand, without its fingers."""
+        names, chains = self._names, list[list[int]]()
+        for cell, link in self.summary["robot"].get("cells", {}).items():
+            place = names.index(link) if cell.split(".")[0] == hand and link in names else -1
+            chain = list[int]()
+            while place >= 0:
+                chain += [self._links[place].column] if self._links[place].column >= 0 else []
+                place = self._links[place].parent
+            chains += [chain] if chain else []
+        shared = set.intersection(*map(set, chains)) if chains else set()
+        return sorted(shared - set(self.cell_joints.values()))
+
+    def arm_of(self, hand: str) -> Sequence[str]:
+        """Return the effectors whose tip a joint of a hand's arm moves."""
+        names = {self.summary["joints"][column] for column in self.arm_joints(hand)}
+        tips = self.summary["robot"].get("tips", {})
+        return [name for name, tip in tips.items() if tip["joint"] in names]
+
+    def pushes(self, hand: str) -> Mask:
+        """Return the ticks in which the arm of a hand at an object is stopped, (T,).
+
+        Its drives push, joints lag by most of the largest lead, and the hand stands still.
+        """
+        lead, joints = self.summary["robot"].get("lead"), self.arm_joints(hand)
+        if not lead or not joints:
+            return np.zeros(len(self.time), dtype=bool)
+        window = self.ticks(_STOPPED)
+        positions = self.recorded.arrays["positions"][:, joints]
+        before = positions[np.maximum(np.arange(len(positions)) - window, 0)]
+        still = np.abs(positions - before).max(axis=1) < _STILL * lead
+        mask: Mask = (self.lags[:, joints] > _PUSHES * lead).any(axis=1) & still & self.near
+        return mask
 
     @cached_property
     def cell_joints(self) -> Mapping[str, int]:
@@ -313,20 +383,23 @@ class History:
         touches: Mask = np.max(forces, axis=0) > CONTACT
         return touches
 
-    def _pose(self, place: int, tick: int) -> tuple[Floats, Floats]:
-        """Return position, m, and quaternion of a link by its index, world frame."""
-        # Hands have dozens of links, of which the causes ask for a few, in the same ticks.
-        if (place, tick) not in self._known_poses:
-            link = self._links[place]
-            position, turn = placed(link, self.recorded.arrays["positions"][tick])
+    def _track(self, place: int) -> tuple[Floats, Floats]:
+        """Return positions, m, (T, 3), and rotations (T, 3, 3) of a link by its index, world frame.
+
+        Hands have dozens of links on few chains: each link is computed once, for all ticks.
+        """
+        if place not in self._tracks:
+            link, positions = self._links[place], self.recorded.arrays["positions"]
+            values = positions[:, link.column] if link.column >= 0 else np.zeros(len(positions))
+            at, turn = _motion(link, link.offset + link.ratio * values)
             if link.parent >= 0:
-                base, above = self._pose(link.parent, tick)
-                position, turn = base + turned(above, position), product(above, turn)
-            self._known_poses[place, tick] = position, turn
-        return self._known_poses[place, tick]
+                base, above = self._track(link.parent)
+                at, turn = base + np.einsum("tij,tj->ti", above, at), above @ turn
+            self._tracks[place] = at, turn
+        return self._tracks[place]
 
     @cached_property
-    def _known_poses(self) -> dict[tuple[int, int], tuple[Floats, Floats]]:
+    def _tracks(self) -> dict[int, tuple[Floats, Floats]]:
         return {}
 
     def span(self, effector: str, tick: int) -> tuple[Floats, float]:
@@ -345,7 +418,7 @@ class History:
             drawn = self._links[place]
             reach += np.inf if drawn.motion == "slide" else float(np.linalg.norm(drawn.position))
             place = drawn.parent
-        return self._pose(place, tick)[0], reach if place >= 0 else np.inf
+        return self._track(place)[0][tick], reach if place >= 0 else np.inf
 
     @cached_property
     def _links(self) -> Sequence[Any]:
@@ -393,3 +466,23 @@ def _courses(recorded: Recorded) -> Iterator[ControllerCourse]:
             ranks=arrays["level_rank"][:, column],
             singular_values=arrays["level_singular_value"][:, column],
         )
+
+
+def _motion(link: Any, values: Floats) -> tuple[Floats, Floats]:
+    """Return positions, m, (T, 3), and rotations (T, 3, 3) of a link in its parent's frame.
+
+    The motion of the joint by its values, rad or m, (T,), follows its constant origin.
+    """
+    axis = np.array(link.axis, dtype=float)
+    axis /= np.linalg.norm(axis) or 1.0
+    quaternion = np.array(link.quaternion, dtype=float)
+    origin = np.array([turned(quaternion, unit) for unit in np.eye(3)]).T
+    at = np.tile(np.array(link.position, dtype=float), (len(values), 1))
+    if link.motion == "slide":
+        at += values[:, None] * (origin @ axis)
+    if link.motion != "turn":
+        return at, np.broadcast_to(origin, (len(values), 3, 3))
+    # Rodrigues' formula: R = I + sin(a) K + (1 - cos(a)) K K, where K v = axis x v.
+    cross = np.cross(axis, np.eye(3)).T
+    sines, rest = np.sin(values)[:, None, None], (1.0 - np.cos(values))[:, None, None]
+    return at, origin @ (np.eye(3) + sines * cross + rest * (cross @ cross))

@@ -123,11 +123,23 @@ def _reason(
         return _KINDS[holder], f" at a {holder}"
     if holder and share < _SMALL_SHARE:
         taken = f"which left it {100 * max(0.0, share):.0f} % of its motion"
-        return "held", f": held by {holder}, {taken}"
+        # No arm reaches a target in an orientation that it cannot have there.
+        kind = "rotation" if _turns(history, course, holder) else "held"
+        return kind, f": held by {holder}, {taken}"
     smallest = float(np.nanmin(course.singular_values[late]))
     if share < _SMALL_SHARE and smallest < history.summary["robot"]["singular_value"]:
         return "stuck", f" close to a singularity: its smallest singular value was {smallest:.2g}"
     return "", ""
+
+
+def _turns(history: History, course: ControllerCourse, holder: str) -> bool:
+    """Return whether a holder turns the hand that a level brings to a seen object."""
+    held_by = [each for each in history.courses if each.name == holder]
+    signals = history.summary["signals"]
+    return course in history.approaches and any(
+        signals.get(each.feedback, {}).get("type") == "orientation" and each.reference != "here"
+        for each in held_by
+    )
 
 
 def _beyond(history: History, course: ControllerCourse, tick: int) -> tuple[float, float] | None:

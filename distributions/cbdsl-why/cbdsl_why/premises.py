@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from cbdsl_why.contact_causes import BETWEEN, approached, attempts, contact
-from cbdsl_why.history import CONTACT, History, Mask, spans
+from cbdsl_why.history import CONTACT, SHOWN, History, spans
 
 # Share of a period by which a tick may be late, and share of late ticks.
 _JITTER, _OFTEN = 0.5, 0.05
@@ -24,6 +24,8 @@ _REVERSALS, _STEP = 12, 1e-3
 _FELT, _FREE = 1.0, 0.1
 # Share of the grip that the load of an object has in successful episodes at most, times 1.5.
 _OVERLOAD = 0.45
+# Load of an object that is no matter of fingers that move, N.
+_LOAD = 1.0
 # Time of images without a match that is no matter of partial views, s.
 _UNMATCHED = 1.0
 # Distance that a hand carries an object, and that the object then seems to have moved, m.
@@ -78,7 +80,10 @@ def _drives(history: History) -> Iterator[Doubt]:
         late = (history.lags[:, joint] > _allowed(history, joint)) & ~history.touches
         for first, last in spans(late) if joint not in fingers else ():
             moved = float(np.ptp(positions[first : last + 1, joint]))
-            if last - first >= history.ticks(_LASTS) and moved > _allowed(history, joint):
+            # An object or its stand may stop a hand beside its load cells, but drives it nowhere.
+            stops = history.near[first : last + 1].any()
+            least = history.summary["robot"]["lead"] if stops else _allowed(history, joint)
+            if last - first >= history.ticks(_LASTS) and moved > least:
                 lag, unit = float(history.lags[first:last, joint].max()), history.unit(joint)
                 clause = (
                     f"joint {name} moved by {moved:.2g} {unit}, up to {lag:.2g} {unit} from its"
@@ -107,9 +112,11 @@ def _fingers(history: History) -> Iterator[Doubt]:
         force = forces[:, history.summary["load_cells"].index(cell)]
         lag, allowed, unit = history.lags[:, joint], _allowed(history, joint), history.unit(joint)
         name = history.summary["joints"][joint]
+        # A hand that stands on something presses with its links as well.
+        stands = history.pushes(cell.split(".")[0])
         stopped = f"joint {name} was {{:.2g}} {unit} behind its reference"
         for contradiction, clause in (
-            ((force < _FELT) & (lag > allowed), f"{stopped}, and {cell} felt {{:.2g}} N"),
+            ((force < _FELT) & (lag > allowed) & ~stands, f"{stopped}, and {cell} felt {{:.2g}} N"),
             (
                 (force > _FELT) & (lag < _FREE * allowed),
                 f"{stopped} only, and {cell} felt {{:.2g}} N",
@@ -135,7 +142,7 @@ def _overloads(history: History) -> Iterator[Doubt]:
         load = np.linalg.norm(before.sum(axis=1), axis=1)
         grip = np.linalg.norm(before, axis=2).sum(axis=1)
         most = int(np.argmax(load / np.maximum(grip, CONTACT)))
-        if load[most] > _OVERLOAD * grip[most]:
+        if load[most] > max(_LOAD, _OVERLOAD * grip[most]):
             clause = f"{hand} bore {load[most]:.1f} N by {grip[most]:.1f} N of grip when the object"
             yield Doubt(slip.tick, f"{clause} slipped: it is heavy, or something held it")
 
@@ -144,8 +151,11 @@ def _reversals(history: History) -> Iterator[Doubt]:
     """Yield joints whose references swing back and forth."""
     steps = np.diff(history.recorded.arrays["references"], axis=0)
     second = history.ticks(1.0)
+    lead = history.summary["robot"].get("lead") or np.inf
+    pressed = history.touches | (history.lags > _LAG * lead).any(axis=1)
     for joint, name in enumerate(history.summary["joints"]):
-        moving = np.flatnonzero(np.abs(steps[:, joint]) > _STEP)
+        # An arm that presses on something is thrown back again and again.
+        moving = np.flatnonzero((np.abs(steps[:, joint]) > _STEP) & ~pressed[1:])
         turns = moving[1:][np.diff(np.sign(steps[moving, joint])) != 0]
         many = turns[_REVERSALS:] - turns[:-_REVERSALS] < second
         if many.any():
@@ -177,7 +187,7 @@ def _carries(history: History) -> Iterator[Doubt]:
                 continue
             ticks = np.arange(first, last, max(1, history.ticks(0.1)))
             centres = np.array([history.fingers(hand, int(tick)).mean(axis=0) for tick in ticks])
-            seen = _seen(history, place[0])[ticks]
+            seen = history.sees(place[0], SHOWN)[ticks]
             values = history.places[place[0]][ticks]
             gone = seen & (np.linalg.norm(centres - centres[0], axis=1) > _CARRIED)
             stayed = np.linalg.norm(values - values[0], axis=1) < _STAYED
@@ -196,7 +206,7 @@ def _closings(history: History) -> Iterator[Doubt]:
         if place is None or closed > _CLOSED * opened:
             continue
         beside = history.beside(attempt.course.effector, attempt.last, place[1])
-        if beside < BETWEEN * opened and _seen(history, place[0])[attempt.last]:
+        if beside < BETWEEN * opened and history.sees(place[0], SHOWN)[attempt.last]:
             clause = f"{attempt.course.name} closed where {place[0]} was seen, and felt nothing"
             yield Doubt(attempt.last, clause)
             return
@@ -211,7 +221,7 @@ def _wanders(history: History) -> Iterator[Doubt]:
     )
     until = int(touched[0]) if len(touched) else len(history.time)
     for signal, values in history.places.items():
-        seen = np.flatnonzero(_sees(history, signal, ("seen",))[:until])
+        seen = np.flatnonzero(history.sees(signal, ("seen",))[:until])
         moves = np.linalg.norm(values[seen] - values[seen[:1]], axis=1)
         beyond = seen[moves > _WANDERED]
         # One tick may be a wrong match.
@@ -224,18 +234,6 @@ def _wanders(history: History) -> Iterator[Doubt]:
         ):
             clause = f"{signal} moved by {100 * moves.max():.1f} cm, and no hand was at it"
             yield Doubt(int(seen[moves > _WANDERED / 5][0]), clause)
-
-
-def _seen(history: History, signal: str) -> Mask:
-    """Return the ticks in which the images showed the object of a signal, shape (T,)."""
-    return _sees(history, signal, ("seen", "several"))
-
-
-def _sees(history: History, signal: str, kinds: Sequence[str]) -> Mask:
-    """Return the ticks in which a signal's sight is of some kinds of ``SIGHT``, shape (T,)."""
-    codes = np.array(history.sight(history.channels(signal)[0]))
-    seen: Mask = np.isin(codes, kinds)
-    return seen if len(seen) else np.zeros(len(history.time), dtype=bool)
 
 
 def _allowed(history: History, joint: int) -> float:

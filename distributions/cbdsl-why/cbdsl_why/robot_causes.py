@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cbdsl_why.history import AGES, HALT, FailureCause, History, spans
+from cbdsl_why.history import AGES, HALT, FailureCause, History, Mask, spans
 
 # A joint lags if it is this share of the largest lead behind its reference for this long, s.
 _LAG, _LAG_TIME = 0.5, 0.3
@@ -30,12 +30,16 @@ def _lagging(history: History) -> Iterator[FailureCause]:
         return
     positions = arrays["positions"]
     lag = np.where(history.touches[:, None], 0.0, history.lags)
+    stops = list(_stops(history, lag > _LAG * lead))
     for joint, name in enumerate(history.summary["joints"]):
         late = lag[:, joint] > _LAG * lead
         ticks = [first for first, last in spans(late) if last - first >= history.ticks(_LAG_TIME)]
         # A joint that catches up was only slow. References restart at each action.
         if ticks and late[ticks[0] :].mean() > _MOSTLY and late[-history.ticks(1.0) :].any():
             first = max(ticks[0] - AGES + 1, 0)
+            # An object that stops an arm holds several of its joints back.
+            if any(pushes[first:].mean() > _MOSTLY and joint in joints for pushes, joints in stops):
+                continue
             # Another load or another reading lets a joint move on.
             if np.ptp(positions[first:, joint]) > _STANDS * lead:
                 continue
@@ -48,3 +52,10 @@ def _lagging(history: History) -> Iterator[FailureCause]:
                 "something stopped it",
                 {"lag": worst},
             )
+
+
+def _stops(history: History, late: Mask) -> Iterator[tuple[Mask, list[int]]]:
+    """Yield the ticks in which several joints of an arm push at an object, and its joints."""
+    for hand in history.hands:
+        joints = history.arm_joints(hand)
+        yield history.pushes(hand) & (late[:, joints].sum(axis=1) > 1), joints
