@@ -224,8 +224,12 @@ def _moved(history: History) -> Iterator[FailureCause]:
             clause = f"{hand} moved {signal} by {100 * far:.1f} cm before it held it"
             breaks = np.flatnonzero(np.diff(touched) > history.ticks(_AFTER))
             tick = int(touched[breaks[-1] + 1 if len(breaks) else 0])
+            # A hand on its way touches an object before it is above it.
+            arrives = min((e.errors[tick] for e in history.approaches if e.acts[tick]), default=0.0)
+            beside = _beside(history, hand, tick, clause, (signal, values[known[-1]]))
+            is_beside = beside and beside.numbers["beside"] - beside.numbers["radius"] > arrives
             yield (
-                _beside(history, hand, tick, clause, (signal, values[known[-1]]))
+                (beside if is_beside else None)
                 or turned_hand(history, hand, tick, clause)
                 or FailureCause("moved_by_touch", tick, clause, {"distance": far})
             )

@@ -113,6 +113,9 @@ def _reason(
     numbers["share"] = share
     holders = Counter(history.holder(int(n)) for n in course.holders[late])
     holder = holders.most_common(1)[0][0]
+    # Why an object stopped a hand is a matter of contact.
+    if any(history.pushes(hand)[late].mean() > _MOSTLY for hand in history.hands):
+        return "", ""
     if stated and not stated.startswith("held by") and stated != CREEPING:
         kind = next((kind for key, kind in _KINDS.items() if stated.startswith(key)), "stuck")
         return kind, f": {stated}"

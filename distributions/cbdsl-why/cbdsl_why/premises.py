@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl_why.contact_causes import BETWEEN, approached, attempts, contact
-from cbdsl_why.history import CONTACT, SHOWN, History, spans
+from cbdsl_why.history import CONTACT, SHOWN, History, Mask, spans
 
 # Share of a period by which a tick may be late, and share of late ticks.
 _JITTER, _OFTEN = 0.5, 0.05
@@ -17,6 +17,8 @@ _JITTER, _OFTEN = 0.5, 0.05
 _LAG, _SLID = 0.25, 2e-3
 # Time that a contradiction lasts, s.
 _LASTS = 0.3
+# Number of ticks for which a joint runs ahead, and time after a contact in which it may, s.
+_RUNS, _LATELY = 3, 0.5
 # Reversals of a reference within a second that no task has, and the least step of one, rad.
 _REVERSALS, _STEP = 12, 1e-3
 # Force of a cell, N, from which its contact holds a joint back, and that a drive with a lag exerts;
@@ -51,8 +53,8 @@ class Doubt(NamedTuple):
 def doubts(history: History) -> list[Doubt]:
     """Return the contradictions of a recording by time."""
     finders = (
-        _clock, _drives, _readings, _fingers, _overloads, _reversals, _views, _carries, _closings,
-        _wanders,
+        _clock, _drives, _runaways, _readings, _fingers, _overloads, _reversals, _views, _carries,
+        _closings, _wanders,
     )  # fmt: skip
     contradictions = [doubt for find in finders for doubt in find(history)]
     return sorted(contradictions, key=lambda each: each.tick)
@@ -76,8 +78,10 @@ def _drives(history: History) -> Iterator[Doubt]:
     """
     positions = history.recorded.arrays["positions"]
     fingers = set(history.cell_joints.values())
+    # An arm that stands on something is thrown off, and felt it a moment ago.
+    free = ~history.touches & ~(_lately(history, history.touches) & history.near)
     for joint, name in enumerate(history.summary["joints"]):
-        late = (history.lags[:, joint] > _allowed(history, joint)) & ~history.touches
+        late = (history.lags[:, joint] > _allowed(history, joint)) & free
         for first, last in spans(late) if joint not in fingers else ():
             moved = float(np.ptp(positions[first : last + 1, joint]))
             # An object or its stand may stop a hand beside its load cells, but drives it nowhere.
@@ -90,6 +94,34 @@ def _drives(history: History) -> Iterator[Doubt]:
                 )
                 yield Doubt(first, f"{clause} references: its load, drive or encoder differ")
                 break
+
+
+def _runaways(history: History) -> Iterator[Doubt]:
+    """Yield joints that ran ahead of their references where nothing was felt.
+
+    A drive pulls a joint behind its reference. Another force drives one that is ahead of it.
+    """
+    arrays, fingers = history.recorded.arrays, set(history.cell_joints.values())
+    ahead = arrays["positions"] - arrays["references"]
+    ways = np.sign(np.gradient(arrays["positions"], axis=0)) if len(ahead) > 1 else 0.0 * ahead
+    free = ~_lately(history, history.touches)
+    for joint, name in enumerate(history.summary["joints"]):
+        lead = np.minimum(ahead[:, joint] * ways[:, joint], history.lags[:, joint])
+        runs = (lead > _allowed(history, joint)) & free
+        for first, last in spans(runs) if joint not in fingers else ():
+            if last - first >= _RUNS:
+                size, unit = float(lead[first : last + 1].max()), history.unit(joint)
+                clause = f"joint {name} ran {size:.2g} {unit} ahead of its reference"
+                yield Doubt(first, f"{clause}, and nothing was felt: another force drove it")
+                break
+
+
+def _lately(history: History, mask: Mask) -> Mask:
+    """Return the ticks in which a mask (T,) holds, or did a moment ago."""
+    sums = np.cumsum(np.concatenate([np.zeros(history.ticks(_LATELY) + 1, dtype=int), mask]))
+    window = history.ticks(_LATELY)
+    lately: Mask = sums[window + 1 :] > sums[: -window - 1]
+    return lately
 
 
 def _readings(history: History) -> Iterator[Doubt]:

@@ -53,6 +53,7 @@ def one_sided(
         if end - begin < history.ticks(_LONG) or not seen[begin : end + 1].all():
             continue
         if moved.max() < _STILL:
-            clause = f"{course.effector} pressed on something by {net[begin : end + 1].max():.1f} N from one side"
+            most = net[begin : end + 1].max()
+            clause = f"{course.effector} pressed on something by {most:.1f} N from one side"
             return FailureCause("wrong_object", begin, f"{clause}, and {signal} was seen to stay")
     return None
