@@ -271,10 +271,20 @@ class History:
         forces: Floats = loads.reshape(len(loads), len(self.summary["load_cells"]), 6)[..., :3]
         return forces
 
+    def closes(self, hand: str) -> Mask:
+        """Return the ticks in which a controller of its forces moves a hand, (T,)."""
+        acts = [each.acts for each in self.courses if each.effector == hand and each.grasps]
+        closes: Mask = np.any([np.zeros(len(self.time), dtype=bool), *acts], axis=0)
+        return closes
+
+    def cells_of(self, hand: str) -> list[int]:
+        """Return the columns of the load cells of a hand."""
+        cells = self.summary["load_cells"]
+        return [n for n, cell in enumerate(cells) if cell.split(".")[0] == hand]
+
     def forces(self, hand: str) -> Floats:
         """Return the largest force of a hand's load cells by tick, N, shape (T,)."""
-        cells = self.summary["load_cells"]
-        columns = [n for n, cell in enumerate(cells) if cell.split(".")[0] == hand]
+        columns = self.cells_of(hand)
         if not columns:
             return np.zeros(len(self.time))
         largest: Floats = np.linalg.norm(self.cell_forces[:, columns], axis=2).max(axis=1)

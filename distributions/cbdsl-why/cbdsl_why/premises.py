@@ -9,6 +9,7 @@ import numpy as np
 
 from cbdsl_why.contact_causes import BETWEEN, approached, attempts, contact
 from cbdsl_why.history import CONTACT, SHOWN, History, Mask, spans
+from cbdsl_why.wrong_objects import one_sided, unmoved
 
 # Share of a period by which a tick may be late, and share of late ticks.
 _JITTER, _OFTEN = 0.5, 0.05
@@ -32,6 +33,10 @@ _LOAD = 1.0
 _UNMATCHED = 1.0
 # Distance that a hand carries an object, and that the object then seems to have moved, m.
 _CARRIED, _STAYED = 0.06, 0.02
+# Distance of a held object from the spread fingers, m.
+_HOLDS = 0.02
+# Force of fingers, N, and time, s, that a free object does not stand.
+_STANDS, _STANDS_LONG = 3.5, 2.0
 # Displacement of an object that no hand touched, m, and its least distance from any hand, m.
 _WANDERED, _FAR = 0.05, 0.2
 # Share of the distance of the open fingers up to which they have closed.
@@ -54,7 +59,7 @@ def doubts(history: History) -> list[Doubt]:
     """Return the contradictions of a recording by time."""
     finders = (
         _clock, _drives, _runaways, _readings, _fingers, _overloads, _reversals, _views, _carries,
-        _closings, _wanders,
+        _closings, _wanders, _stands,
     )  # fmt: skip
     contradictions = [doubt for find in finders for doubt in find(history)]
     return sorted(contradictions, key=lambda each: each.tick)
@@ -105,11 +110,16 @@ def _runaways(history: History) -> Iterator[Doubt]:
     ahead = arrays["positions"] - arrays["references"]
     ways = np.sign(np.gradient(arrays["positions"], axis=0)) if len(ahead) > 1 else 0.0 * ahead
     free = ~_lately(history, history.touches)
+    allowed = np.array([_allowed(history, joint) for joint in range(ahead.shape[1])])
+    late = history.lags > allowed
     for joint, name in enumerate(history.summary["joints"]):
         lead = np.minimum(ahead[:, joint] * ways[:, joint], history.lags[:, joint])
-        runs = (lead > _allowed(history, joint)) & free
+        runs = (lead > allowed[joint]) & free
         for first, last in spans(runs) if joint not in fingers else ():
-            if last - first >= _RUNS:
+            ran = np.ptp(arrays["positions"][first : last + 1, joint])
+            # A joint that something stopped before may swing.
+            followed = not late[max(0, first - history.ticks(_LATELY)) : first, joint].any()
+            if followed and last - first >= _RUNS and ran > allowed[joint]:
                 size, unit = float(lead[first : last + 1].max()), history.unit(joint)
                 clause = f"joint {name} ran {size:.2g} {unit} ahead of its reference"
                 yield Doubt(first, f"{clause}, and nothing was felt: another force drove it")
@@ -141,6 +151,8 @@ def _fingers(history: History) -> Iterator[Doubt]:
     """
     forces = np.linalg.norm(history.cell_forces, axis=2)
     for cell, joint in history.cell_joints.items():
+        # A finger that no force controller moves may be pressed along its links.
+        closes = history.closes(cell.split(".")[0])
         force = forces[:, history.summary["load_cells"].index(cell)]
         lag, allowed, unit = history.lags[:, joint], _allowed(history, joint), history.unit(joint)
         name = history.summary["joints"][joint]
@@ -150,7 +162,7 @@ def _fingers(history: History) -> Iterator[Doubt]:
         for contradiction, clause in (
             ((force < _FELT) & (lag > allowed) & ~stands, f"{stopped}, and {cell} felt {{:.2g}} N"),
             (
-                (force > _FELT) & (lag < _FREE * allowed),
+                (force > _FELT) & (lag < _FREE * allowed) & closes,
                 f"{stopped} only, and {cell} felt {{:.2g}} N",
             ),
         ):
@@ -221,6 +233,10 @@ def _carries(history: History) -> Iterator[Doubt]:
             centres = np.array([history.fingers(hand, int(tick)).mean(axis=0) for tick in ticks])
             seen = history.sees(place[0], SHOWN)[ticks]
             values = history.places[place[0]][ticks]
+            # A hand that holds an object may have approached its goal since.
+            reach = _HOLDS + 2.0 * history.spread(hand, first)
+            if not np.linalg.norm(values[0] - centres[0]) < reach:
+                continue
             gone = seen & (np.linalg.norm(centres - centres[0], axis=1) > _CARRIED)
             stayed = np.linalg.norm(values - values[0], axis=1) < _STAYED
             if (gone & stayed).any():
@@ -266,6 +282,23 @@ def _wanders(history: History) -> Iterator[Doubt]:
         ):
             clause = f"{signal} moved by {100 * moves.max():.1f} cm, and no hand was at it"
             yield Doubt(int(seen[moves > _WANDERED / 5][0]), clause)
+
+
+def _stands(history: History) -> Iterator[Doubt]:
+    """Yield objects that stood the force of a finger before others were at them."""
+    for course in history.courses:
+        if not (course.grasps and course.member):
+            continue
+        for first, last in spans(course.flag("seeking") & ~course.defined):
+            place = approached(history, first)
+            if place is None:
+                continue
+            for begin, end, force in unmoved(history, course.effector, (first, last), place[0]):
+                is_beside = one_sided(history, course, (begin, end), place[0])
+                if force > _STANDS and end - begin > history.ticks(_STANDS_LONG) and not is_beside:
+                    clause = f"{course.effector} pressed by {force:.1f} N from one side"
+                    yield Doubt(begin, f"{clause}, and {place[0]} stayed: it is heavy, or fixed")
+                    return
 
 
 def _allowed(history: History, joint: int) -> float:

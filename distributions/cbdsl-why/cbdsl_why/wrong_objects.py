@@ -6,10 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cbdsl_why.history import ControllerCourse, FailureCause, History, spans
+from cbdsl_why.history import SHOWN, ControllerCourse, FailureCause, History, spans
 
 # Force of a fingertip that presses on something, and of one that moves a free object, N.
 _PRESSED, _MOVES = 1.0, 2.0
+# Ratio of distances from an object of a finger beside it, and of one at it.
+_OUTSIDE = 1.3
 # Time for which it presses, s, and the displacement of an object that it does not press on, m.
 _LONG, _STILL = 0.5, 0.01
 
@@ -29,10 +31,7 @@ def strays(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
 def one_sided(
     history: History, course: ControllerCourse, ticks: tuple[int, int], signal: str
 ) -> FailureCause | None:
-    """Return the other object on which a finger pressed from one side, if any.
-
-    The sum of the forces of all fingers would move a free object. An object that was seen to stay
-    is not the one that they press on.
+    """Return the other object on which a finger pressed beside the sought one, if any.
 
     Args:
         history: Recorded episode.
@@ -40,20 +39,39 @@ def one_sided(
         ticks: First and last tick of the closing.
         signal: Signal of the sought object.
     """
+    hand = course.effector
+    for first, last, force in unmoved(history, hand, ticks, signal):
+        if _presses_outside(history, hand, (first + last) // 2, signal):
+            clause = f"{hand} pressed on something by {force:.1f} N from one side"
+            return FailureCause("wrong_object", first, f"{clause}, and {signal} was seen to stay")
+    return None
+
+
+def unmoved(
+    history: History, hand: str, ticks: tuple[int, int], signal: str
+) -> Iterator[tuple[int, int, float]]:
+    """Yield first and last tick, and force, N, of presses that did not move a seen object.
+
+    The sum of the forces of all fingers would move a free object. An object that was seen to stay
+    is fixed, or is not the one that they press on.
+    """
     first, last = ticks
-    cells = [
-        n for n, c in enumerate(history.summary["load_cells"]) if c.split(".")[0] == course.effector
-    ]
-    net = np.linalg.norm(history.cell_forces[:, cells].sum(axis=1)[:, :2], axis=1)
+    forces = history.cell_forces[:, history.cells_of(hand), :2].sum(axis=1)
+    net = np.linalg.norm(forces, axis=1)
     pressed = np.zeros(len(net), dtype=bool)
     pressed[first : last + 1] = net[first : last + 1] > _MOVES
-    values, seen = history.places[signal], history.sees(signal, ("seen", "several"))
+    values, seen = history.places[signal], history.sees(signal, SHOWN)
     for begin, end in spans(pressed):
         moved = np.linalg.norm(values[begin : end + 1] - values[begin], axis=1)
-        if end - begin < history.ticks(_LONG) or not seen[begin : end + 1].all():
-            continue
-        if moved.max() < _STILL:
-            most = net[begin : end + 1].max()
-            clause = f"{course.effector} pressed on something by {most:.1f} N from one side"
-            return FailureCause("wrong_object", begin, f"{clause}, and {signal} was seen to stay")
-    return None
+        is_seen = seen[begin : end + 1].all()
+        if is_seen and end - begin >= history.ticks(_LONG) and moved.max() < _STILL:
+            yield begin, end, float(net[begin : end + 1].max())
+
+
+def _presses_outside(history: History, hand: str, tick: int, signal: str) -> bool:
+    """Return whether a finger presses much farther from an object than another finger is."""
+    fingers = history.fingers(hand, tick)
+    distances = np.linalg.norm((fingers - history.places[signal][tick])[:, :2], axis=1)
+    forces = np.linalg.norm(history.cell_forces[tick, history.cells_of(hand)], axis=1)
+    pressing = distances[forces[: len(distances)] > _PRESSED]
+    return bool(len(pressing) and pressing.max() > _OUTSIDE * distances.min())

@@ -23,6 +23,8 @@ _CLOSING = {
     "level_priority": np.where(_TICK[:, None] < 30, [0, -1, 1], -1),
     "flags": flags("seeking", 1, slice(30, 90)) | flags("exhausted", 1, slice(90, TICKS)),
 }
+# The controller of the hand's forces acts from the 50th tick on.
+_CLOSES = {"level_priority": np.where(_TICK[:, None] < 50, [0, -1, 1], [0, 2, 1])}
 _HEAVY = {
     "predicates": predicates(("X0X", 30), ("X1X", 30), ("X-X", 60)),
     "loads": np.where(_TICK[:, None, None] < 60, [0.0, 3.0, 0.0, 0.0, 0.0, 0.0], 0.0)
@@ -38,7 +40,7 @@ _HEAVY = {
         ("encoder differ", 66, {"references": _MOVING, "positions": 0.5 * _MOVING}),
         ("read jumps", 0, {"positions": _SHAKEN}),
         ("felt 0.2 N", 60, pressed(0.2, 0.1)),
-        ("behind its reference only", 60, pressed(5.0, 0.0)),
+        ("behind its reference only", 60, {**pressed(5.0, 0.0), **_CLOSES}),
         ("bore 6.0 N", 60, _HEAVY),
         ("reversed", 0, {"references": 0.2 * _SHAKEN, "positions": 0.2 * _SHAKEN}),
         ("not at one position", 30, {"sight": np.where(_TICK < 30, SIGHT.index("seen"),
