@@ -17,6 +17,8 @@ _ROUNDS = 3
 _LONGEST = 12
 # Time before the end in which a member comes nearer if time is short, s, and by which share.
 _LATE, _NEARER = 0.5, 0.02
+# Motion of closing fingers, rad or m, and age of a new state, s.
+_CLOSES, _RECENT = 1e-3, 2.0
 
 
 def order(history: History) -> Iterator[FailureCause]:
@@ -69,7 +71,21 @@ def _came_nearer(history: History) -> bool:
         errors = course.errors[late][course.acts[late]]
         if course.member and len(errors) > 1 and errors[-1] < (1.0 - _NEARER) * errors[0]:
             return True
-    return False
+        # Fingers on their way to a contact have no error yet.
+        if course.member and course.grasps and course.flag("seeking")[late].all():
+            joints = [c for e, c in history.cell_joints.items() if e.startswith(course.effector)]
+            moved = np.ptp(history.recorded.arrays["positions"][late][:, joints], axis=0)
+            if len(moved) and moved.max() > _CLOSES:
+                return True
+    return _is_new(history)
+
+
+def _is_new(history: History) -> bool:
+    """Return whether a program has just reached a state for the first time."""
+    reached = dict[tuple[str, str, str], float]()
+    for each in history.transitions:
+        reached.setdefault((each["program"], each.get("use", ""), each["next_state"]), each["time"])
+    return bool(reached) and max(reached.values()) >= history.time[-1] - _RECENT > 0.0
 
 
 def _stated(history: History) -> Iterator[FailureCause]:
@@ -92,10 +108,25 @@ def _inner(history: History) -> Iterator[FailureCause]:
         name = before.get("use", "").rsplit(".", 1)[-1]
         if not is_end or name not in place or before["state"] == before["next_state"]:
             continue
-        if after["next_state"][place.index(name)] == "-":
+        if after["next_state"][place.index(name)] == "-" and not _is_met(history, before, after):
             clause = f"{name} had no action for state {before['next_state']}"
             yield FailureCause("no_action", history.tick(before["time"]), clause, rank=END)
             return
+
+
+def _is_met(history: History, end: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
+    """Return whether a program went on otherwise after the end of a used one.
+
+    Args:
+        history: Recorded episode.
+        end: Transition with which the used program ended.
+        after: Transition of the program that uses it.
+    """
+    later = [each for each in history.transitions if each["time"] > after["time"]]
+    goes_on = any(each["depth"] == after["depth"] for each in later)
+    keys = ("use", "state", "next_state", "depth")
+    again = any(all(each.get(k) == end.get(k) for k in keys) for each in later)
+    return goes_on and not again
 
 
 def _seconds(history: History, transition: Mapping[str, Any]) -> float:

@@ -33,7 +33,7 @@ CONTACT = 0.3
 #: Kinds of ``SIGHT`` in which the images show an object.
 SHOWN = ("seen", "several")
 # Distance of an object from the fingers below which it may touch the hand beside its cells, m.
-_NEAR = 0.2
+_NEAR = 0.25
 # Lag of a joint that pushes, and motion of one that is stopped, as shares of the largest lead, and
 # the time of that motion, s.
 _PUSHES, _STILL, _STOPPED = 0.5, 0.25, 0.3
@@ -320,8 +320,7 @@ class History:
         """True while any hand is at a seen object, which may touch it beside its cells, (T,)."""
         near = np.zeros(len(self.time), dtype=bool)
         cells = self.summary["robot"].get("cells", {})
-        links = {link for cell, link in cells.items() if cell.split(".")[0] in self.hands}
-        for link in links & set(self._names):
+        for link in set(cells.values()) & set(self._names):
             fingers = self._track(self._names.index(link))[0]
             for signal in self.places:
                 distances = np.linalg.norm(fingers - self.known(signal), axis=1)

@@ -22,6 +22,8 @@ _LASTS = 0.3
 _RUNS, _LATELY = 3, 0.5
 # Reversals of a reference within a second that no task has, and the least step of one, rad.
 _REVERSALS, _STEP = 12, 1e-3
+# Motion of a joint by an object that stops its arm, as a share of the largest lead.
+_THROWN = 0.75
 # Force of a cell, N, from which its contact holds a joint back, and that a drive with a lag exerts;
 # and the share of that lag that a free joint has.
 _FELT, _FREE = 1.0, 0.1
@@ -89,16 +91,25 @@ def _drives(history: History) -> Iterator[Doubt]:
         late = (history.lags[:, joint] > _allowed(history, joint)) & free
         for first, last in spans(late) if joint not in fingers else ():
             moved = float(np.ptp(positions[first : last + 1, joint]))
-            # An object or its stand may stop a hand beside its load cells, but drives it nowhere.
-            stops = history.near[first : last + 1].any()
-            least = history.summary["robot"]["lead"] if stops else _allowed(history, joint)
-            if last - first >= history.ticks(_LASTS) and moved > least:
+            if last - first >= history.ticks(_LASTS) and moved > _least(
+                history, joint, first, last
+            ):
                 lag, unit = float(history.lags[first:last, joint].max()), history.unit(joint)
                 clause = (
                     f"joint {name} moved by {moved:.2g} {unit}, up to {lag:.2g} {unit} from its"
                 )
                 yield Doubt(first, f"{clause} references: its load, drive or encoder differ")
                 break
+
+
+def _least(history: History, joint: int, first: int, last: int) -> float:
+    """Return the least motion of a joint between two ticks, rad or m, that no contact explains.
+
+    An object or its stand may stop a hand beside its load cells, and turns it a little.
+    """
+    lead: float = history.summary["robot"].get("lead") or np.inf
+    is_near = history.near[first : last + 1].any()
+    return _THROWN * lead if is_near else _allowed(history, joint)
 
 
 def _runaways(history: History) -> Iterator[Doubt]:
@@ -119,7 +130,7 @@ def _runaways(history: History) -> Iterator[Doubt]:
             ran = np.ptp(arrays["positions"][first : last + 1, joint])
             # A joint that something stopped before may swing.
             followed = not late[max(0, first - history.ticks(_LATELY)) : first, joint].any()
-            if followed and last - first >= _RUNS and ran > allowed[joint]:
+            if followed and last - first >= _RUNS and ran > _least(history, joint, first, last):
                 size, unit = float(lead[first : last + 1].max()), history.unit(joint)
                 clause = f"joint {name} ran {size:.2g} {unit} ahead of its reference"
                 yield Doubt(first, f"{clause}, and nothing was felt: another force drove it")
@@ -136,7 +147,9 @@ def _lately(history: History, mask: Mask) -> Mask:
 
 def _readings(history: History) -> Iterator[Doubt]:
     """Yield joints whose readings jump."""
+    # Fingers in contact jerk.
     jumps = np.abs(np.diff(history.recorded.arrays["positions"], n=2, axis=0))
+    jumps = jumps[~(history.touches | history.near)[1:-1]]
     for joint, name in enumerate(history.summary["joints"]):
         ticks = np.flatnonzero(jumps[:, joint] > _allowed(history, joint))
         if len(ticks) > _OFTEN * len(jumps):

@@ -39,6 +39,10 @@ def _absence(history: History, signal: str, name: str, ticks: tuple[int, int]) -
     need = f"and {name} needs {signal}"
     if seen_last < 0:
         counts = Counter(codes)
+        # Images that match nowhere are a premise's matter, which suspends this cause.
+        if counts["unmatched"] > counts["ambiguous"]:
+            clause = f"each camera saw one {channel} region, and not at one position, {need}"
+            return FailureCause("ambiguous", codes.index("unmatched"), clause)
         if counts["ambiguous"] > counts["partly"]:
             tick = codes.index("ambiguous")
             clause = f"both cameras saw {channel}, but no pair of regions was one object, {need}"
