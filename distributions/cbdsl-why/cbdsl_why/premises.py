@@ -61,7 +61,7 @@ def doubts(history: History) -> list[Doubt]:
     """Return the contradictions of a recording by time."""
     finders = (
         _clock, _drives, _runaways, _readings, _fingers, _overloads, _reversals, _views, _carries,
-        _closings, _wanders, _stands,
+        _closings, _wanders, _stands, _idle_loads,
     )  # fmt: skip
     contradictions = [doubt for find in finders for doubt in find(history)]
     return sorted(contradictions, key=lambda each: each.tick)
@@ -169,13 +169,15 @@ def _fingers(history: History) -> Iterator[Doubt]:
         force = forces[:, history.summary["load_cells"].index(cell)]
         lag, allowed, unit = history.lags[:, joint], _allowed(history, joint), history.unit(joint)
         name = history.summary["joints"][joint]
+        # Some drives are too stiff to show a force.
+        yields = bool((lag > allowed).any())
         # A hand that stands on something presses with its links as well.
         stands = history.pushes(cell.split(".")[0])
         stopped = f"joint {name} was {{:.2g}} {unit} behind its reference"
         for contradiction, clause in (
             ((force < _FELT) & (lag > allowed) & ~stands, f"{stopped}, and {cell} felt {{:.2g}} N"),
             (
-                (force > _FELT) & (lag < _FREE * allowed) & closes,
+                (force > _FELT) & (lag < _FREE * allowed) & closes & yields,
                 f"{stopped} only, and {cell} felt {{:.2g}} N",
             ),
         ):
@@ -312,6 +314,23 @@ def _stands(history: History) -> Iterator[Doubt]:
                     clause = f"{course.effector} pressed by {force:.1f} N from one side"
                     yield Doubt(begin, f"{clause}, and {place[0]} stayed: it is heavy, or fixed")
                     return
+
+
+def _idle_loads(history: History) -> Iterator[Doubt]:
+    """Yield load cells that all feel a force while their hand moves open, far from objects."""
+    for hand in dict.fromkeys(cell.split(".")[0] for cell in history.summary["load_cells"]):
+        forces = np.linalg.norm(history.cell_forces[:, history.cells_of(hand)], axis=2).min(axis=1)
+        idle = (forces > CONTACT) & ~history.closes(hand) & ~history.near
+        for first, last in spans(idle):
+            fingers = [history.fingers(hand, tick) for tick in (first, last)]
+            if (
+                len(fingers[0]) < 2
+                or np.linalg.norm(np.subtract(*fingers), axis=1).min() < _CARRIED
+            ):
+                continue
+            clause = f"{hand} moved open and far from objects, and all its cells felt"
+            yield Doubt(first, f"{clause} {forces[first : last + 1].max():.1f} N")
+            break
 
 
 def _allowed(history: History, joint: int) -> float:

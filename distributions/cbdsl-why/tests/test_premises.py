@@ -23,6 +23,9 @@ _CLOSING = {
     "level_priority": np.where(_TICK[:, None] < 30, [0, -1, 1], -1),
     "flags": flags("seeking", 1, slice(30, 90)) | flags("exhausted", 1, slice(90, TICKS)),
 }
+_FAR = np.tile([3.0, 0.0, 0.0], (TICKS, 1))
+# A drive that lagged before.
+_YIELDS = np.where(_TICK[:, None] < 3, [0.0, 0.1], 0.0)
 # The controller of the hand's forces acts from the 50th tick on.
 _CLOSES = {"level_priority": np.where(_TICK[:, None] < 50, [0, -1, 1], [0, 2, 1])}
 _HEAVY = {
@@ -38,9 +41,9 @@ _HEAVY = {
     [
         ("early or late", 0, {"time": _UNEVEN}),
         ("encoder differ", 66, {"references": _MOVING, "positions": 0.5 * _MOVING}),
-        ("read jumps", 0, {"positions": _SHAKEN}),
+        ("read jumps", 0, {"positions": _SHAKEN, "signal_stereo__red": _FAR}),
         ("felt 0.2 N", 60, pressed(0.2, 0.1)),
-        ("behind its reference only", 60, {**pressed(5.0, 0.0), **_CLOSES}),
+        ("behind its reference only", 60, {**pressed(5.0, 0.0), **_CLOSES, "references": _YIELDS}),
         ("bore 6.0 N", 60, _HEAVY),
         ("reversed", 0, {"references": 0.2 * _SHAKEN, "positions": 0.2 * _SHAKEN}),
         ("not at one position", 30, {"sight": np.where(_TICK < 30, SIGHT.index("seen"),
