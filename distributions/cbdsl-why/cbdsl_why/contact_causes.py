@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl_why.history import ControllerCourse, FailureCause, History, spans
-from cbdsl_why.orientations import oriented, turned_hand
+from cbdsl_why.orientations import at_odds, oriented, turned_hand
 from cbdsl_why.wrong_objects import one_sided, strays
 
 # Distance that an object moves because of a touch, m, and the force of that touch, N.
@@ -42,7 +42,7 @@ class GraspAttempt(NamedTuple):
 def contact(history: History) -> Iterator[FailureCause]:
     """Yield the contacts that a hand missed or lost, and never had again."""
     for hand in history.hands:
-        courses = [each for each in history.courses if each.effector == hand and each.grasps]
+        courses = [each for each in history.courses if each.hand == hand and each.grasps]
         held = np.any([history.rests(each) for each in courses], axis=0)
         last_held = max(np.flatnonzero(held), default=-1)
         for kind in (_slips, _unheld, strays, _misses, _stops):
@@ -66,16 +66,20 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
         if ends > history.last or not held[first:ends].any():
             continue
         losers = [each for each in courses if history.lacks(each)[last : ends + 1].any()]
-        if not losers or _opens(history, courses[0].effector, ends):
+        if not losers or _opens(history, courses[0].hand, ends):
             continue
         # Fingers that only lean on an object, to feel or to free it, may leave it before they hold.
         leaned = all(each.strength < _PRESSED for each in losers)
         if leaned and held[ends:].any():
             continue
-        force = float(history.forces(courses[0].effector)[max(first, last - 5) : ends].max())
-        clause = (
-            f"the object slipped from {courses[0].effector}: {losers[0].name} felt {force:.1f} N"
-        )
+        begin = first + int(held[first:ends].argmax())
+        clause = f"{courses[0].hand} lost the object that it had grasped"
+        askew = at_odds(history, courses[0].hand, begin, clause)
+        if askew is not None:
+            yield askew._replace(tick=ends)
+            continue
+        force = float(history.forces(courses[0].hand)[max(first, last - 5) : ends].max())
+        clause = f"the object slipped from {courses[0].hand}: {losers[0].name} felt {force:.1f} N"
         yield FailureCause("slip", ends, f"{clause} and then nothing", {"force": force})
 
 
@@ -83,7 +87,7 @@ def _unheld(history: History, courses: list[ControllerCourse]) -> Iterator[Failu
     """Yield the ticks in which a hand lost an object that it pressed, and had never held one."""
     if np.any([history.rests(each) for each in courses]):
         return
-    force = history.forces(courses[0].effector)
+    force = history.forces(courses[0].hand)
     for course in courses if any(each.member for each in courses) else ():
         for first, last in spans(course.defined):
             if last == history.last or last - first < history.ticks(_STOPS):
@@ -98,7 +102,7 @@ def _opens(history: History, hand: str, tick: int) -> bool:
     """Return whether a member opens or shapes a hand at a tick."""
     before = slice(max(0, tick - _CHANGE), tick)
     return any(
-        each.member and each.effector == hand and not each.grasps and each.acts[before].any()
+        each.member and each.hand == hand and not each.grasps and each.acts[before].any()
         for each in history.courses
     )
 
@@ -140,19 +144,19 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
     """Return why a hand closed on nothing."""
     course, first, last = attempt
     closed = f"{course.name} closed on nothing"
-    place = approached(history, first)
+    place = approached(history, first, course.hand)
     if place is None:
         if history.approaches:
             clause = "before any controller had brought the hand to an object"
             return FailureCause("wrong_order", first, f"{closed}, {clause}")
         return FailureCause("no_grasp", last, closed)
     signal = place[0]
-    beside = _beside(history, course.effector, first, closed, place)
+    beside = _beside(history, course.hand, first, closed, place)
     if beside is not None:
         return _left_out(history, attempt, signal, closed) or beside
     return (
         one_sided(history, course, (first, last), signal)
-        or turned_hand(history, course.effector, first, closed)
+        or turned_hand(history, course.hand, first, closed)
         or FailureCause("no_grasp", last, f"{closed} at {signal}")
     )
 
@@ -185,28 +189,36 @@ def _left_out(
     return FailureCause("wrong_order", first, f"{closed} before {left[0].name} had moved the hand")
 
 
-def approached(history: History, tick: int) -> tuple[str, np.ndarray] | None:
-    """Return the object that a controller had approached by a tick, and its known position."""
-    latest, place = -1, None
+def approached(history: History, tick: int, hand: str = "") -> tuple[str, np.ndarray] | None:
+    """Return the object that a controller had approached by a tick, and its known position.
+
+    Of several that controllers approached together, it is the nearest one to a hand.
+    """
+    found = list[tuple[int, str, np.ndarray]]()
     for course in history.approaches:
         values = history.places[course.base]
         acted = np.flatnonzero(course.acts[: tick + 1])
-        if not len(acted) or acted[-1] <= latest:
-            continue
         known = np.flatnonzero(~np.isnan(values[: tick + 1, 0]))
-        if len(known):
-            latest, place = int(acted[-1]), (course.base, values[known[-1]])
-    return place
+        if len(acted) and len(known):
+            found.append((int(acted[-1]), course.base, values[known[-1]]))
+    latest = max((last for last, _, _ in found), default=0)
+    found = [each for each in found if each[0] >= latest - _CHANGE]
+    fingers = history.fingers(hand, tick) if hand and len(found) > 1 else np.zeros((0, 3))
+    if len(fingers):
+        found.sort(key=lambda each: float(np.linalg.norm(each[2] - fingers.mean(axis=0))))
+    return found[0][1:] if found else None
 
 
 def _moved(history: History) -> Iterator[FailureCause]:
     """Yield the objects that a touch moved before a hand held them, if no hand ever did."""
+    grasps = [each for each in history.courses if each.grasps]
+    if np.any([history.rests(each) for each in grasps]):
+        return
     for hand in history.hands:
-        courses = [each for each in history.courses if each.effector == hand and each.grasps]
-        if np.any([history.rests(each) for each in courses]):
-            continue
-        touched = np.flatnonzero(history.forces(hand) > _TOUCH)
-        place = approached(history, history.last)
+        # Fingers that are in contact all around move an object on purpose.
+        closed = np.any([each.defined for each in grasps if each.hand == hand], axis=0)
+        touched = np.flatnonzero((history.forces(hand) > _TOUCH) & ~closed)
+        place = approached(history, history.last, hand)
         if not len(touched) or place is None:
             continue
         signal = place[0]
@@ -240,7 +252,7 @@ def _stops(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
 
     A hand that points along its way has the object between its fingers. Another one stands on it.
     """
-    hand = courses[0].effector
+    hand = courses[0].hand
     pushes = history.pushes(hand)
     for course in history.approaches if pushes.any() else ():
         short = pushes & course.acts & (course.letters == "0")

@@ -29,7 +29,7 @@ def order(history: History) -> Iterator[FailureCause]:
         lacks = np.flatnonzero(history.lacks(course))
         if required is None or not course.member or not len(lacks) or not required.grasps:
             continue
-        hand = [each for each in history.courses if each.effector == required.effector]
+        hand = [each for each in history.courses if each.hand == required.hand]
         tried = np.any([history.rests(each) | each.defined for each in hand if each.grasps], axis=0)
         if tried[: lacks[0]].any() or lacks[-1] < max(np.flatnonzero(tried), default=-1):
             continue
@@ -73,7 +73,7 @@ def _came_nearer(history: History) -> bool:
             return True
         # Fingers on their way to a contact have no error yet.
         if course.member and course.grasps and course.flag("seeking")[late].all():
-            joints = [c for e, c in history.cell_joints.items() if e.startswith(course.effector)]
+            joints = [c for e, c in history.cell_joints.items() if e.startswith(course.hand)]
             moved = np.ptp(history.recorded.arrays["positions"][late][:, joints], axis=0)
             if len(moved) and moved.max() > _CLOSES:
                 return True

@@ -115,8 +115,17 @@ class ControllerCourse(NamedTuple):
 
     @property
     def grasps(self) -> bool:
-        """True if the hand that it moves feels the forces that it controls."""
-        return self.unit == "N" and self.feedback.split(".")[0] == self.effector.split(".")[0]
+        """True if the hands that it moves feel the forces that it controls.
+
+        Two arms press on an object between them by the net forces of their hands.
+        """
+        is_own = self.feedback.split(".")[0] == self.effector.split(".")[0]
+        return self.unit == "N" and (is_own or self.feedback.endswith(".net_forces"))
+
+    @property
+    def hand(self) -> str:
+        """Name of the effector that it moves, without its part."""
+        return self.effector.split(".")[0]
 
     @property
     def strength(self) -> float:
@@ -257,12 +266,16 @@ class History:
     @cached_property
     def hands(self) -> Sequence[str]:
         """Effectors that feel the forces that their controllers control."""
-        return tuple(dict.fromkeys(each.effector for each in self.courses if each.grasps))
+        return tuple(dict.fromkeys(each.hand for each in self.courses if each.grasps))
 
     @cached_property
     def approaches(self) -> Sequence[ControllerCourse]:
-        """Courses that bring a position to a seen object."""
-        return [each for each in self.courses if each.unit == "m" and each.base in self.places]
+        """Courses that bring a position of the robot to a seen object."""
+        return [
+            each
+            for each in self.courses
+            if each.unit == "m" and each.base in self.places and not self.channels(each.feedback)
+        ]
 
     @property
     def cell_forces(self) -> Floats:
@@ -273,14 +286,15 @@ class History:
 
     def closes(self, hand: str) -> Mask:
         """Return the ticks in which a controller of its forces moves a hand, (T,)."""
-        acts = [each.acts for each in self.courses if each.effector == hand and each.grasps]
+        acts = [each.acts for each in self.courses if each.hand == hand and each.grasps]
         closes: Mask = np.any([np.zeros(len(self.time), dtype=bool), *acts], axis=0)
         return closes
 
     def cells_of(self, hand: str) -> list[int]:
-        """Return the columns of the load cells of a hand."""
+        """Return the columns of the load cells of a hand, or of all hands for a group of them."""
         cells = self.summary["load_cells"]
-        return [n for n, cell in enumerate(cells) if cell.split(".")[0] == hand]
+        own = [n for n, cell in enumerate(cells) if cell.split(".")[0] == hand]
+        return own or list(range(len(cells)))
 
     def forces(self, hand: str) -> Floats:
         """Return the largest force of a hand's load cells by tick, N, shape (T,)."""
@@ -293,7 +307,8 @@ class History:
     def fingers(self, hand: str, tick: int) -> Floats:
         """Return the positions of the links with a hand's load cells, m, shape (cells, 3)."""
         cells = self.summary["robot"].get("cells", {})
-        links = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
+        own = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
+        links = own or [*cells.values()]
         known = [self._names.index(link) for link in links if link in self._names]
         return np.array([self._track(place)[0][tick] for place in known]).reshape(-1, 3)
 
@@ -391,6 +406,12 @@ class History:
         forces = [np.zeros(len(self.time)), *map(self.forces, self.hands)]
         touches: Mask = np.max(forces, axis=0) > CONTACT
         return touches
+
+    def turns(self, link: str) -> Floats:
+        """Return the rotations of a link in the world frame, (T, 3, 3); none if it is unknown."""
+        if link not in self._names:
+            return np.zeros((0, 3, 3))
+        return self._track(self._names.index(link))[1]
 
     def _track(self, place: int) -> tuple[Floats, Floats]:
         """Return positions, m, (T, 3), and rotations (T, 3, 3) of a link by its index, world frame.

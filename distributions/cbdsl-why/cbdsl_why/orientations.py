@@ -11,6 +11,8 @@ from cbdsl_why.history import ControllerCourse, FailureCause, History
 
 # Angle between a hand and its orientation at the object above which it is turned, rad.
 _TURNED = math.radians(15)
+# Time within which controllers of one action ended, s.
+_TOGETHER = 0.5
 # Force of fingertips that stand on something, N.
 _PRESSED = 0.5
 # Share of an initial error that remains if nothing turned.
@@ -52,8 +54,10 @@ def oriented(history: History, hand: str, ticks: tuple[int, int], clause: str) -
 def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureCause | None:
     """Return the orientation that a hand did not have at a tick, if any."""
     courses = orientations(history, hand)
-    acted = [each for each in courses if each.acts[: tick + 1].any()]
+    acted = _latest(history, courses, tick)
     if courses and not acted:
+        if _agrees(history, courses, tick):
+            return None
         clause = f"{closed}: {courses[0].name} had not turned the hand before"
         return FailureCause("no_rotation", tick, clause)
     for course in acted:
@@ -63,35 +67,64 @@ def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureC
             left = course.measure(float(errors[-1]))
             clause = f"{closed}: {course.name} was still {left} from its orientation"
             return FailureCause(kind, tick, clause, {"error": float(errors[-1])})
-    wrong = _at_odds(history, tick, acted, courses)
-    if wrong is None:
-        return None
-    clause = f"{closed}, turned by {math.degrees(wrong[1]):.0f} deg against {wrong[0]}"
-    return FailureCause("rotation", tick, clause, {"angle": wrong[1]})
+    return at_odds(history, hand, tick, closed)
 
 
-def _at_odds(
-    history: History, tick: int, acted: list[ControllerCourse], courses: list[ControllerCourse]
-) -> tuple[str, float] | None:
-    """Return the name of another orientation that a hand should have, and the angle, rad.
+def _latest(history: History, courses: list[ControllerCourse], tick: int) -> list[ControllerCourse]:
+    """Return the courses that acted last before a tick."""
+    acted = [(np.flatnonzero(each.acts[: tick + 1]), each) for each in courses]
+    last = max((int(ticks[-1]) for ticks, _ in acted if len(ticks)), default=0)
+    since = last - history.ticks(_TOGETHER)
+    return [each for ticks, each in acted if len(ticks) and ticks[-1] >= since]
 
-    These are the object that a reference is relative to, and constants of other controllers, whose
-    tilts are compared.
+
+def _agrees(history: History, courses: list[ControllerCourse], tick: int) -> bool:
+    """Return whether a hand had the tilt of a constant orientation, though none turned it."""
+    for course in courses:
+        tilt, turn = _tilt(course.reference), history.recorded.signals[course.feedback][tick]
+        if tilt is not None and _angle(tilt @ turn[:, 2]) < _TURNED:
+            return True
+    return False
+
+
+def at_odds(history: History, hand: str, tick: int, clause: str) -> FailureCause | None:
+    """Return the rotation of a hand against another orientation that it should have, if any.
+
+    These are the object that a reference is relative to, and constants of other controllers of the
+    same programs, whose tilts are compared. One of them that agrees confirms an orientation.
     """
+    courses = orientations(history, hand)
     values = history.recorded.signals
-    for course in acted:
+    for course in _latest(history, courses, tick):
+        found: tuple[str, float] | None = None
         if history.channels(course.base):
             turn = values[course.feedback][tick].T @ values[course.base][tick]
-            angle = math.acos(min(1.0, max(-1.0, (float(np.trace(turn)) - 1.0) / 2.0)))
-            if angle > _TURNED:
-                return course.base, angle
-        for other in courses:
-            tilts = [_tilt(each.reference) for each in (course, other)]
-            if other.feedback == course.feedback and tilts[0] is not None and tilts[1] is not None:
-                angle = math.acos(min(1.0, max(-1.0, float(tilts[0] @ tilts[1]))))
-                if angle > _TURNED:
-                    return other.name, angle
+            found = course.base, _angle((float(np.trace(turn)) - 1.0) / 2.0)
+        tilt = _tilt(course.reference)
+        others = [each for each in courses if each is not course and _is_related(each, course)]
+        tilts = [(each.name, _tilt(each.reference)) for each in others]
+        angles = [
+            (_angle(tilt @ other), name)
+            for name, other in tilts
+            if tilt is not None and other is not None
+        ]
+        if angles:
+            found = min(angles)[::-1]
+        if found is not None and found[1] > _TURNED:
+            clause = f"{clause}, turned by {math.degrees(found[1]):.0f} deg against {found[0]}"
+            return FailureCause("rotation", tick, clause, {"angle": found[1]})
     return None
+
+
+def _is_related(one: ControllerCourse, other: ControllerCourse) -> bool:
+    """Return whether two controllers turn one hand in one program, or in a used one."""
+    programs = (one.program, other.program)
+    is_within = programs[0].startswith(programs[1]) or programs[1].startswith(programs[0])
+    return one.feedback == other.feedback and is_within
+
+
+def _angle(cosine: float) -> float:
+    return math.acos(min(1.0, max(-1.0, float(cosine))))
 
 
 def _tilt(reference: str) -> Floats | None:

@@ -39,6 +39,9 @@ _CARRIED, _STAYED = 0.06, 0.02
 _HOLDS = 0.02
 # Force of fingers, N, and time, s, that a free object does not stand.
 _STANDS, _STANDS_LONG = 3.5, 2.0
+# Time between two headings, s, a turn of the cameras, rad, the share of it by which the heading of
+# an object at rest changes at least, and the heading of an object that no head follows, rad.
+_LOOK, _TURNED, _FOLLOWS, _ASIDE = 0.5, 0.2, 0.2, 0.1
 # Displacement of an object that no hand touched, m, and its least distance from any hand, m.
 _WANDERED, _FAR = 0.05, 0.2
 # Share of the distance of the open fingers up to which they have closed.
@@ -61,7 +64,7 @@ def doubts(history: History) -> list[Doubt]:
     """Return the contradictions of a recording by time."""
     finders = (
         _clock, _drives, _runaways, _readings, _fingers, _overloads, _reversals, _views, _carries,
-        _closings, _wanders, _stands, _idle_loads,
+        _closings, _wanders, _stands, _idle_loads, _stale_images,
     )  # fmt: skip
     contradictions = [doubt for find in finders for doubt in find(history)]
     return sorted(contradictions, key=lambda each: each.tick)
@@ -164,7 +167,7 @@ def _fingers(history: History) -> Iterator[Doubt]:
     """
     forces = np.linalg.norm(history.cell_forces, axis=2)
     for cell, joint in history.cell_joints.items():
-        # A finger that no force controller moves may be pressed along its links.
+        # A finger that no force controller moves may be pressed along or beside its links.
         closes = history.closes(cell.split(".")[0])
         force = forces[:, history.summary["load_cells"].index(cell)]
         lag, allowed, unit = history.lags[:, joint], _allowed(history, joint), history.unit(joint)
@@ -175,7 +178,10 @@ def _fingers(history: History) -> Iterator[Doubt]:
         stands = history.pushes(cell.split(".")[0])
         stopped = f"joint {name} was {{:.2g}} {unit} behind its reference"
         for contradiction, clause in (
-            ((force < _FELT) & (lag > allowed) & ~stands, f"{stopped}, and {cell} felt {{:.2g}} N"),
+            (
+                (force < _FELT) & (lag > allowed) & closes & ~stands,
+                f"{stopped}, and {cell} felt {{:.2g}} N",
+            ),
             (
                 (force > _FELT) & (lag < _FREE * allowed) & closes & yields,
                 f"{stopped} only, and {cell} felt {{:.2g}} N",
@@ -239,9 +245,9 @@ def _views(history: History) -> Iterator[Doubt]:
 def _carries(history: History) -> Iterator[Doubt]:
     """Yield objects that were seen to stay where a hand had carried them away."""
     for hand in history.hands:
-        holds = [each for each in history.courses if each.effector == hand and each.grasps]
+        holds = [each for each in history.courses if each.hand == hand and each.grasps]
         for first, last in spans(np.any([history.rests(each) for each in holds], axis=0)):
-            place = approached(history, first)
+            place = approached(history, first, hand)
             if place is None or last - first < history.ticks(_LASTS):
                 continue
             ticks = np.arange(first, last, max(1, history.ticks(0.1)))
@@ -264,11 +270,11 @@ def _carries(history: History) -> Iterator[Doubt]:
 def _closings(history: History) -> Iterator[Doubt]:
     """Yield hands that closed where an object was seen between their fingers."""
     for attempt in attempts(history):
-        place = approached(history, attempt.first)
-        opened, closed = (history.spread(attempt.course.effector, t) for t in attempt[1:])
+        place = approached(history, attempt.first, attempt.course.hand)
+        opened, closed = (history.spread(attempt.course.hand, t) for t in attempt[1:])
         if place is None or closed > _CLOSED * opened:
             continue
-        beside = history.beside(attempt.course.effector, attempt.last, place[1])
+        beside = history.beside(attempt.course.hand, attempt.last, place[1])
         if beside < BETWEEN * opened and history.sees(place[0], SHOWN)[attempt.last]:
             clause = f"{attempt.course.name} closed where {place[0]} was seen, and felt nothing"
             yield Doubt(attempt.last, clause)
@@ -305,13 +311,13 @@ def _stands(history: History) -> Iterator[Doubt]:
         if not (course.grasps and course.member):
             continue
         for first, last in spans(course.flag("seeking") & ~course.defined):
-            place = approached(history, first)
+            place = approached(history, first, course.hand)
             if place is None:
                 continue
-            for begin, end, force in unmoved(history, course.effector, (first, last), place[0]):
+            for begin, end, force in unmoved(history, course.hand, (first, last), place[0]):
                 is_beside = one_sided(history, course, (begin, end), place[0])
                 if force > _STANDS and end - begin > history.ticks(_STANDS_LONG) and not is_beside:
-                    clause = f"{course.effector} pressed by {force:.1f} N from one side"
+                    clause = f"{course.hand} pressed by {force:.1f} N from one side"
                     yield Doubt(begin, f"{clause}, and {place[0]} stayed: it is heavy, or fixed")
                     return
 
@@ -331,6 +337,31 @@ def _idle_loads(history: History) -> Iterator[Doubt]:
             clause = f"{hand} moved open and far from objects, and all its cells felt"
             yield Doubt(first, f"{clause} {forces[first : last + 1].max():.1f} N")
             break
+
+
+def _stale_images(history: History) -> Iterator[Doubt]:
+    """Yield headings that stay beside the middle of the images while the cameras turn.
+
+    The heading of an object at rest turns against the cameras. A head that follows an object keeps
+    it in the middle.
+    """
+    links = [each["link"] for each in history.summary["robot"].get("cameras", {}).values()]
+    turns = history.turns(links[0]) if links else np.zeros((0, 3, 3))
+    window = history.ticks(_LOOK)
+    if len(turns) <= window:
+        return
+    cosines = (np.einsum("tij,tij->t", turns[window:], turns[:-window]) - 1.0) / 2.0
+    angles = np.arccos(np.clip(cosines, -1.0, 1.0))
+    for name, facts in history.summary["signals"].items():
+        if facts["type"] != "heading":
+            continue
+        values = history.recorded.signals[name]
+        changes = np.linalg.norm(values[window:] - values[:-window], axis=1)
+        aside = np.linalg.norm(values[window:], axis=1) > _ASIDE
+        stale = np.flatnonzero((angles > _TURNED) & (changes < _FOLLOWS * angles) & aside)
+        if len(stale) > window // 2:
+            clause = f"the cameras turned by {angles[stale].max():.2f} rad, and {name} stayed aside"
+            yield Doubt(int(stale[0]), f"{clause}: the images are old")
 
 
 def _allowed(history: History, joint: int) -> float:

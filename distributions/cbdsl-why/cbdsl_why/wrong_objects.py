@@ -20,7 +20,7 @@ def strays(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
     """Yield the ticks in which fingertips touched something else than the sought object."""
     for course in courses:
         for first, last in spans(course.flag("astray")):
-            pressed = history.forces(course.effector)[first : last + 1] > _PRESSED
+            pressed = history.forces(course.hand)[first : last + 1] > _PRESSED
             if not pressed.any():
                 continue
             first += int(pressed.argmax())
@@ -39,7 +39,7 @@ def one_sided(
         ticks: First and last tick of the closing.
         signal: Signal of the sought object.
     """
-    hand = course.effector
+    hand = course.hand
     for first, last, force in unmoved(history, hand, ticks, signal):
         if _presses_outside(history, hand, (first + last) // 2, signal):
             clause = f"{hand} pressed on something by {force:.1f} N from one side"

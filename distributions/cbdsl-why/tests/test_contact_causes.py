@@ -153,6 +153,40 @@ def test_member_that_requires_a_contact_before_any_hand_closed_is_in_wrong_order
     assert "reach requires hold" not in str(diagnose(tried))
 
 
+@pytest.mark.parametrize(
+    ("confirmed", "kind"), [(False, "rotation"), (True, "slip")], ids=["against", "confirmed"]
+)
+def test_slip_of_an_object_that_a_turned_hand_had_grasped_is_a_rotation(
+    confirmed: bool, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(made_history, "CONTROLLERS", ("reach", "hold", "posture", "level", "face"))
+    down = {**_ORIENT, "reference": f"{math.pi}, 0, 0"}
+    tilted = {**_ORIENT, "reference": f"{math.pi - 0.9}, 0, 0"}
+    triples = _triples(posture=tilted, level=down, face=tilted if confirmed else down)
+    history = made(
+        controllers=["reach", "hold", "posture", "level", "face"],
+        predicates=predicates(("X0XXX", 40), ("X1XXX", 20), ("X-XXX", 60)),
+        errors=course(0.1, 0, slice(None), 0.0),
+        level_priority=np.tile([-1, 0, 1, -1, -1], (TICKS, 1)),
+        triples=triples,
+        signals=_signals(arm__orientation=_OF_TURN),
+        signal_arm__orientation=_TURNS,
+    )
+    assert _first(history).kind == kind
+
+
+def test_hand_that_has_the_tilt_of_an_orientation_needs_no_turn() -> None:
+    down = {**_ORIENT, "reference": f"{math.pi}, 0, 0"}
+    levels = _acting(0, -1, -1)
+    for turn, kind in (([1.0, -1.0, -1.0], "no_grasp"), ([1.0, 1.0, 1.0], "no_rotation")):
+        facts = {**_MISS, "signal_arm__orientation": np.tile(np.diag(turn), (TICKS, 1, 1))}
+        signals = _signals(arm__orientation=_OF_TURN)
+        history = made(
+            **facts, triples=_triples(posture=down), signals=signals, level_priority=levels
+        )
+        assert _first(history).kind == kind
+
+
 @pytest.mark.parametrize(("acts", "slips"), [(1, 0), (-1, 1)], ids=["opens", "stays"])
 def test_contact_that_ends_is_a_slip_unless_a_member_opens_the_hand(acts: int, slips: int) -> None:
     opened = {**_TRIPLE, "feedback": "hand", "unit": "rad", "effector": "hand"}
@@ -177,6 +211,16 @@ def test_used_program_without_an_action_for_its_state_is_the_cause() -> None:
     outer = transition("0X", "reach", "-X", 1.0, 60)
     cause = _first(made({"outcome": "failure"}, transitions=[inner, outer]))
     assert (cause.kind, cause.sentence) == ("no_action", "reach had no action for state 1")
+
+
+@pytest.mark.parametrize(("again", "kind"), [(True, "no_action"), (False, "")])
+def test_end_of_a_used_program_is_no_cause_if_its_program_went_on(again: bool, kind: str) -> None:
+    inner = {**transition("0", "go", "1", 0.5, 30), "depth": 1, "program": "sub", "use": "reach"}
+    outer = transition("0X", "reach", "-X", 0.5, 30)
+    later = [transition("-X", "hold", "X0", 1.0, 30)]
+    repeated = [{**inner, "time": 1.5}, {**outer, "time": 1.5}] if again else []
+    history = made({"outcome": "failure"}, transitions=[inner, outer, *later, *repeated])
+    assert getattr(diagnose(history).cause, "kind", "") == kind
 
 
 @pytest.mark.parametrize("word", ["Interrupted", "Failed"])
