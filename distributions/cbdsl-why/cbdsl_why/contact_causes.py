@@ -9,7 +9,7 @@ import numpy as np
 
 from cbdsl_why.history import ControllerCourse, FailureCause, History, spans
 from cbdsl_why.orientations import at_odds, oriented, turned_hand
-from cbdsl_why.wrong_objects import one_sided, strays
+from cbdsl_why.wrong_objects import held_others, one_sided, strays
 
 # Distance that an object moves because of a touch, m, and the force of that touch, N.
 _MOVED, _TOUCH = 0.03, 0.2
@@ -50,6 +50,7 @@ def contact(history: History) -> Iterator[FailureCause]:
             # A hand that lost an object and held it again has recovered, unless it lost it again.
             if events and events[-1].tick > last_held:
                 yield events[0]._replace(times=len(events))
+    yield from held_others(history)
     yield from _moved(history)
 
 
@@ -194,19 +195,19 @@ def approached(history: History, tick: int, hand: str = "") -> tuple[str, np.nda
 
     Of several that controllers approached together, it is the nearest one to a hand.
     """
-    found = list[tuple[int, str, np.ndarray]]()
+    objects = list[tuple[int, str, np.ndarray]]()
     for course in history.approaches:
         values = history.places[course.base]
         acted = np.flatnonzero(course.acts[: tick + 1])
         known = np.flatnonzero(~np.isnan(values[: tick + 1, 0]))
         if len(acted) and len(known):
-            found.append((int(acted[-1]), course.base, values[known[-1]]))
-    latest = max((last for last, _, _ in found), default=0)
-    found = [each for each in found if each[0] >= latest - _CHANGE]
-    fingers = history.fingers(hand, tick) if hand and len(found) > 1 else np.zeros((0, 3))
+            objects.append((int(acted[-1]), course.base, values[known[-1]]))
+    latest = max((last for last, _, _ in objects), default=0)
+    objects = [each for each in objects if each[0] >= latest - _CHANGE]
+    fingers = history.fingers(hand, tick) if hand and len(objects) > 1 else np.zeros((0, 3))
     if len(fingers):
-        found.sort(key=lambda each: float(np.linalg.norm(each[2] - fingers.mean(axis=0))))
-    return found[0][1:] if found else None
+        objects.sort(key=lambda each: float(np.linalg.norm(each[2] - fingers.mean(axis=0))))
+    return objects[0][1:] if objects else None
 
 
 def _moved(history: History) -> Iterator[FailureCause]:

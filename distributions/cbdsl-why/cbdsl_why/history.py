@@ -312,6 +312,17 @@ class History:
         known = [self._names.index(link) for link in links if link in self._names]
         return np.array([self._track(place)[0][tick] for place in known]).reshape(-1, 3)
 
+    def centres(self, hand: str) -> Floats:
+        """Return the centre of the fingers by tick, m, (T, 3); NaN without fingers."""
+        cells = self.summary["robot"].get("cells", {})
+        own = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
+        known = [self._names.index(e) for e in own or cells.values() if e in self._names]
+        tracks = [self._track(place)[0] for place in known] or [
+            np.full((len(self.time), 3), np.nan)
+        ]
+        centres: Floats = np.mean(tracks, axis=0)
+        return centres
+
     def spread(self, hand: str, tick: int) -> float:
         """Return the mean distance of the fingers from their centre, m; 0 for a single finger."""
         fingers = self.fingers(hand, tick)

@@ -1,4 +1,4 @@
-"""Orientations that a hand had at its object, and those that it should have had."""
+"""Orientation of a hand at its object, against the orientations that its controllers declare."""
 
 from __future__ import annotations
 
@@ -96,23 +96,24 @@ def at_odds(history: History, hand: str, tick: int, clause: str) -> FailureCause
     courses = orientations(history, hand)
     values = history.recorded.signals
     for course in _latest(history, courses, tick):
-        found: tuple[str, float] | None = None
-        if history.channels(course.base):
+        name, angle = course.base, 0.0
+        # The error of a course shows a turn against its own reference.
+        if history.channels(course.base) and course.reference != course.base:
             turn = values[course.feedback][tick].T @ values[course.base][tick]
-            found = course.base, _angle((float(np.trace(turn)) - 1.0) / 2.0)
+            angle = _angle((float(np.trace(turn)) - 1.0) / 2.0)
         tilt = _tilt(course.reference)
         others = [each for each in courses if each is not course and _is_related(each, course)]
         tilts = [(each.name, _tilt(each.reference)) for each in others]
         angles = [
-            (_angle(tilt @ other), name)
-            for name, other in tilts
+            (_angle(float(tilt @ other)), label)
+            for label, other in tilts
             if tilt is not None and other is not None
         ]
         if angles:
-            found = min(angles)[::-1]
-        if found is not None and found[1] > _TURNED:
-            clause = f"{clause}, turned by {math.degrees(found[1]):.0f} deg against {found[0]}"
-            return FailureCause("rotation", tick, clause, {"angle": found[1]})
+            angle, name = min(angles)
+        if angle > _TURNED:
+            clause = f"{clause}, turned by {math.degrees(angle):.0f} deg against {name}"
+            return FailureCause("rotation", tick, clause, {"angle": angle})
     return None
 
 
@@ -124,7 +125,7 @@ def _is_related(one: ControllerCourse, other: ControllerCourse) -> bool:
 
 
 def _angle(cosine: float) -> float:
-    return math.acos(min(1.0, max(-1.0, float(cosine))))
+    return 0.0 if math.isnan(cosine) else math.acos(min(1.0, max(-1.0, float(cosine))))
 
 
 def _tilt(reference: str) -> Floats | None:

@@ -10,6 +10,8 @@ from cbdsl_why.history import SHOWN, ControllerCourse, FailureCause, History, sp
 
 # Force of a fingertip that presses on something, and of one that moves a free object, N.
 _PRESSED, _MOVES = 1.0, 2.0
+# Distance of an object from the middle of the fingers at which they do not hold it, m.
+_ELSEWHERE = 0.2
 # Ratio of distances from an object of a finger beside it, and of one at it.
 _OUTSIDE = 1.3
 # Time for which it presses, s, and the displacement of an object that it does not press on, m.
@@ -26,6 +28,30 @@ def strays(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
             first += int(pressed.argmax())
             clause = f"{course.name} felt something else than the object it sought"
             yield FailureCause("wrong_object", first, clause)
+
+
+def held_others(history: History) -> Iterator[FailureCause]:
+    """Yield the grasps of hands that moved a seen object by a grasp elsewhere.
+
+    A controller that moves an object by an arm takes it to be in the hand.
+    """
+    for hand in history.hands:
+        grasps = [each for each in history.courses if each.hand == hand and each.grasps]
+        held = np.any([history.rests(each) for each in grasps], axis=0)
+        arms, centres = history.arm_of(hand), history.centres(hand)
+        for course in history.courses:
+            if course.feedback not in history.places or course.hand not in arms:
+                continue
+            far = np.linalg.norm(history.places[course.feedback] - centres, axis=1) > _ELSEWHERE
+            shown = history.sees(course.feedback, SHOWN)
+            for first, last in spans(held & course.acts & shown & far):
+                if last - first < history.ticks(_LONG):
+                    continue
+                clause = (
+                    f"{course.name} moved {course.feedback} by {hand}, which held another object"
+                )
+                yield FailureCause("wrong_object", first, clause)
+                break
 
 
 def one_sided(
@@ -52,8 +78,8 @@ def unmoved(
 ) -> Iterator[tuple[int, int, float]]:
     """Yield first and last tick, and force, N, of presses that did not move a seen object.
 
-    The sum of the forces of all fingers would move a free object. An object that was seen to stay
-    is fixed, or is not the one that they press on.
+    The sum of the forces of all fingers would move a free object. If the sought object was seen to
+    stay, it is fixed, or the fingers press on another one.
     """
     first, last = ticks
     forces = history.cell_forces[:, history.cells_of(hand), :2].sum(axis=1)

@@ -178,6 +178,20 @@ def test_approach_that_an_orientation_holds_is_a_rotation() -> None:
     assert _named(made(**changes, triples=kept, signals=_signals()))[0] == "held"
 
 
+@pytest.mark.parametrize(("place", "is_other"), [(0.5, True), (0.9, False)])
+def test_object_that_an_arm_moves_by_another_grasp_is_the_wrong_one(
+    place: float, is_other: bool
+) -> None:
+    triples = made().summary["triples"]
+    history = made(
+        predicates=predicates(("X0X", 30), ("X1X", 90)),
+        triples={**triples, "posture": {**triples["reach"], "feedback": "stereo.red"}},
+        level_priority=np.tile([-1, 0, 1], (TICKS, 1)),
+        signal_stereo__red=np.tile([place, 0.0, 0.0], (TICKS, 1)),
+    )
+    assert (_named(history) == ("wrong_object", 30)) == is_other
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_fingers_are_where_plane_geometry_puts_them(seed: int) -> None:
     positions = np.random.default_rng(seed).uniform(-3.0, 3.0, (TICKS, 2))

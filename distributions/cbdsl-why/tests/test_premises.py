@@ -118,7 +118,7 @@ def test_doubts_about_a_moving_object_need_an_untouched_one(changes: dict[str, A
     ],
     ids=["followed", "turning", "closing", "stiff drive", "thrown back"],
 )  # fmt: skip
-def test_doubts_spare_what_contact_and_heads_explain(changes: dict[str, Any]) -> None:
+def test_doubts_of_facts_that_contact_and_heads_explain_are_empty(changes: dict[str, Any]) -> None:
     assert doubts(made(**changes)) == []
 
 
