@@ -156,8 +156,8 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
     if beside is not None:
         return _left_out(history, attempt, signal, closed) or beside
     return (
-        one_sided(history, course, (first, last), signal)
-        or turned_hand(history, course.hand, first, closed)
+        turned_hand(history, course.hand, first, closed)
+        or one_sided(history, course, (first, last), signal)
         or FailureCause("no_grasp", last, f"{closed} at {signal}")
     )
 

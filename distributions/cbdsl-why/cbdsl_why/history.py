@@ -418,6 +418,15 @@ class History:
         touches: Mask = np.max(forces, axis=0) > CONTACT
         return touches
 
+    def palm(self, hand: str) -> Floats:
+        """Return the rotations of the tip that carries a hand, (T, 3, 3), whose z axis points.
+
+        They are empty for a group of hands, and without a recorded tip.
+        """
+        tips = self.summary["robot"].get("tips", {})
+        arms = self.arm_of(hand)
+        return self.turns(tips[arms[0]]["link"]) if len(arms) == 1 else np.zeros((0, 3, 3))
+
     def turns(self, link: str) -> Floats:
         """Return the rotations of a link in the world frame, (T, 3, 3); none if it is unknown."""
         if link not in self._names:

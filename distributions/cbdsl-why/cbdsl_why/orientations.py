@@ -11,6 +11,9 @@ from cbdsl_why.history import ControllerCourse, FailureCause, History
 
 # Angle between a hand and its orientation at the object above which it is turned, rad.
 _TURNED = math.radians(15)
+# Angle of a hand to vertical and level above which it is oblique, angle to its way, rad, and the
+# length of that way, m.
+_OBLIQUE, _ACROSS, _WAY = math.radians(25), math.radians(50), 0.05
 # Time within which controllers of one action ended, s.
 _TOGETHER = 0.5
 # Force of fingertips that stand on something, N.
@@ -55,6 +58,8 @@ def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureC
     """Return the orientation that a hand did not have at a tick, if any."""
     courses = orientations(history, hand)
     acted = _latest(history, courses, tick)
+    if not courses and _is_oblique(history, hand, tick):
+        return FailureCause("no_rotation", tick, f"{closed}: no controller turned the hand")
     if courses and not acted:
         if _agrees(history, courses, tick):
             return None
@@ -67,7 +72,31 @@ def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureC
             left = course.measure(float(errors[-1]))
             clause = f"{closed}: {course.name} was still {left} from its orientation"
             return FailureCause(kind, tick, clause, {"error": float(errors[-1])})
+    across = _across(history, hand, tick)
+    if acted and across > _ACROSS:
+        clause = f"{closed}, and pointed {math.degrees(across):.0f} deg away from its way to it"
+        return FailureCause("rotation", tick, clause, {"angle": across})
     return at_odds(history, hand, tick, closed)
+
+
+def _is_oblique(history: History, hand: str, tick: int) -> bool:
+    """Return whether a hand points neither along gravity nor level, as without control."""
+    turns = history.palm(hand)
+    rise = abs(float(turns[tick, 2, 2])) if len(turns) else 1.0
+    return _OBLIQUE < _angle(rise) < math.pi / 2 - _OBLIQUE
+
+
+def _across(history: History, hand: str, tick: int) -> float:
+    """Return the angle between a hand and the last part of its way to an object, rad.
+
+    Fingers first, it has the object between them when it arrives.
+    """
+    turns, centres = history.palm(hand), history.centres(hand)
+    away = np.flatnonzero(np.linalg.norm(centres[:tick] - centres[tick], axis=1) > _WAY)
+    if not len(turns) or not len(away) or not history.near[tick]:
+        return 0.0
+    way = centres[tick] - centres[away[-1]]
+    return _angle(float(turns[tick, :, 2] @ way / np.linalg.norm(way)))
 
 
 def _latest(history: History, courses: list[ControllerCourse], tick: int) -> list[ControllerCourse]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from cbdsl_why.contact_causes import BETWEEN, approached, attempts, contact
 from cbdsl_why.history import CONTACT, SHOWN, History, Mask, spans
+from cbdsl_why.orientations import turned_hand
 from cbdsl_why.wrong_objects import one_sided, unmoved
 
 # Share of a period by which a tick may be late, and share of late ticks.
@@ -188,7 +189,9 @@ def _fingers(history: History) -> Iterator[Doubt]:
             ),
         ):
             for first, last in spans(contradiction):
-                if last - first >= history.ticks(_LASTS):
+                # A turned hand presses beside its cells.
+                turned = turned_hand(history, cell.split(".")[0], first, name)
+                if last - first >= history.ticks(_LASTS) and turned is None:
                     middle = (first + last) // 2
                     yield Doubt(first, clause.format(lag[middle], force[middle]))
                     break

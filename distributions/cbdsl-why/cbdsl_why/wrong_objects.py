@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cbdsl_why.history import SHOWN, ControllerCourse, FailureCause, History, spans
+from cbdsl_why.orientations import turned_hand
 
 # Force of a fingertip that presses on something, and of one that moves a free object, N.
 _PRESSED, _MOVES = 1.0, 2.0
@@ -27,7 +28,8 @@ def strays(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
                 continue
             first += int(pressed.argmax())
             clause = f"{course.name} felt something else than the object it sought"
-            yield FailureCause("wrong_object", first, clause)
+            turned = turned_hand(history, course.hand, first, clause)
+            yield turned or FailureCause("wrong_object", first, clause)
 
 
 def held_others(history: History) -> Iterator[FailureCause]:
