@@ -136,9 +136,21 @@ def _attempts(history: History, course: ControllerCourse) -> Iterator[GraspAttem
         # A hand that is still on its way to an object has not tried to close.
         if len(tried) or (on_way[ticks] == 0).all():
             over += ended & {last, last + 1, last + 2}
+        if len(tried):
+            over += [tick for tick in _stalls(history, course) if tried[0] <= tick <= last]
         if over:
             last = int(min(over))
             yield GraspAttempt(course, int(tried[0]) if len(tried) else last, last)
+
+
+def _stalls(history: History, course: ControllerCourse) -> list[int]:
+    """Return the ticks in which an action of a controller's program ended without a change."""
+    use = course.program.rstrip(".")
+    return [
+        history.tick(each["time"])
+        for each in history.transitions
+        if each["state"] == each["next_state"] and each.get("use", "") == use
+    ]
 
 
 def _miss(history: History, attempt: GraspAttempt) -> FailureCause:

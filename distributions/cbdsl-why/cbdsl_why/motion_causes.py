@@ -56,6 +56,9 @@ def motion(history: History) -> Iterator[FailureCause]:
             continue
         if not (course.member or course in history.approaches):
             continue
+        # A level that waits where it is has nowhere to arrive.
+        if course.reference == "here":
+            continue
         short = _is_short(course)
         arrived = np.flatnonzero((course.letters == "1") & ~course.flag("stuck"))
         last_arrived = max(arrived, default=-1)

@@ -58,7 +58,8 @@ def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureC
     """Return the orientation that a hand did not have at a tick, if any."""
     courses = orientations(history, hand)
     acted = _latest(history, courses, tick)
-    if not courses and _is_oblique(history, hand, tick):
+    across = _across(history, hand, tick)
+    if not courses and (_is_oblique(history, hand, tick) or across > _ACROSS):
         return FailureCause("no_rotation", tick, f"{closed}: no controller turned the hand")
     if courses and not acted:
         if _agrees(history, courses, tick):
@@ -72,7 +73,6 @@ def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureC
             left = course.measure(float(errors[-1]))
             clause = f"{closed}: {course.name} was still {left} from its orientation"
             return FailureCause(kind, tick, clause, {"error": float(errors[-1])})
-    across = _across(history, hand, tick)
     if acted and across > _ACROSS:
         clause = f"{closed}, and pointed {math.degrees(across):.0f} deg away from its way to it"
         return FailureCause("rotation", tick, clause, {"angle": across})

@@ -236,7 +236,8 @@ def _views(history: History) -> Iterator[Doubt]:
     """Yield objects that both cameras see, and nowhere in common."""
     for channel in history.summary.get("channels", ()):
         codes = np.array(history.sight(channel))
-        unmatched = np.flatnonzero(codes == "unmatched")
+        # A hand at an object covers a part of it.
+        unmatched = np.flatnonzero((codes == "unmatched") & ~history.near[: len(codes)])
         if len(unmatched) > history.ticks(_UNMATCHED):
             seconds = len(unmatched) * float(np.median(np.diff(history.time)))
             clause = (

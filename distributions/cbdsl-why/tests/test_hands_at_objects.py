@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_history import TICKS, flags, made, predicates, pressed
+from made_history import TICKS, flags, made, predicates, pressed, transition
 
 from cbdsl_why.diagnosis import diagnose
 from cbdsl_why.history import History
@@ -50,6 +50,13 @@ _SIDED: Mapping[str, Any] = {
     "loads": _LOADS,
     "references": np.where(_TICK[:, None] < 30, 0.0, [0.0, 0.02]),
 }
+
+
+def _tilted(turn: float) -> str:
+    """Return a URDF whose tip is turned about its x axis, deg."""
+    urdf: str = made().summary["robot"]["urdf"]
+    origin = f'<origin xyz="0.5 0 0" rpy="{np.radians(turn)} 0 0"/></joint>\n  <joint name="side"'
+    return urdf.replace('<origin xyz="0.5 0 0"/></joint>\n  <joint name="side"', origin)
 
 
 def _named(history: History) -> tuple[str, int]:
@@ -161,6 +168,37 @@ def test_contact_that_ends_before_any_hold_is_no_grasp(rests: str, kind: str) ->
         **{**pressed(2.0, 0.02, slice(0, 70)), "time": _TICK / 30},
     )
     assert _named(history) == (kind, 70)
+
+
+@pytest.mark.parametrize(("turn", "kind"), [(45, "no_rotation"), (5, "no_grasp"), (85, "no_grasp")])
+def test_oblique_hand_that_no_controller_turns_has_no_rotation(turn: float, kind: str) -> None:
+    robot = {**made().summary["robot"], "urdf": _tilted(turn)}
+    history = made(
+        robot=robot,
+        predicates=predicates(("0XX", 60), ("X-X", 60)),
+        flags=flags("seeking", 1, slice(60, 90)) | flags("exhausted", 1, slice(90, TICKS)),
+        signal_stereo__red=np.tile([1.0, 0.02, 0.0], (TICKS, 1)),
+    )
+    assert _named(history)[0] == kind
+
+
+def test_hand_whose_action_ended_while_it_closed_has_closed_on_nothing() -> None:
+    history = made(
+        predicates=predicates(("0XX", 20), ("X-X", 100)),
+        flags=flags("seeking", 1, slice(20, TICKS)),
+        transitions=[transition("X-X", "hold", "X-X", 1.9, 100)],
+        signal_stereo__red=np.tile([1.0, 0.02, 0.0], (TICKS, 1)),
+    )
+    assert _named(history)[0] == "no_grasp"
+
+
+def test_level_that_waits_where_it_is_has_no_cause() -> None:
+    held = np.full((TICKS, 3), -1)
+    held[:, 0] = 2
+    triples = made().summary["triples"]
+    waits = {**triples, "reach": {**triples["posture"], "reference": "here"}}
+    changes = {"level_share": np.zeros((TICKS, 3)), "level_held_by": held}
+    assert _named(made(**changes, triples=waits))[0] != "held"
 
 
 def test_approach_that_an_orientation_holds_is_a_rotation() -> None:

@@ -37,6 +37,7 @@ _IDLE = {
     "references": _MOVING,
     "signal_stereo__red": _FAR,
 }
+_UNMATCHED = np.where(_TICK < 30, SIGHT.index("seen"), SIGHT.index("unmatched"))[:, None]
 _HEADING = {"type": "heading", "place": False, "channels": ["red"]}
 _STALE = {
     "robot": {**made().summary["robot"], "cameras": {"left": {"link": "lower"}}},
@@ -66,8 +67,7 @@ _HEAVY = {
         ("behind its reference only", 60, {**pressed(5.0, 0.0), **_CLOSES, "references": _YIELDS}),
         ("bore 6.0 N", 60, _HEAVY),
         ("reversed", 0, {"references": 0.2 * _SHAKEN, "positions": 0.2 * _SHAKEN}),
-        ("not at one position", 30, {"sight": np.where(_TICK < 30, SIGHT.index("seen"),
-                                     SIGHT.index("unmatched"))[:, None]}),
+        ("not at one position", 30, {"sight": _UNMATCHED, "signal_stereo__red": _FAR}),
         ("no hand was at it", 42, {"signal_stereo__red": _DRIFTING}),
     ],
 )  # fmt: skip
@@ -113,10 +113,11 @@ def test_doubts_about_a_moving_object_need_an_untouched_one(changes: dict[str, A
         {**_IDLE, "level_priority": np.tile([0, 2, 1], (TICKS, 1)),
          "references": _MOVING + np.array([0.0, 0.02])},
         {**pressed(5.0, 0.0), **_CLOSES},
+        {"sight": _UNMATCHED},
         {"references": 0.2 * _SHAKEN, "positions": 0.2 * _SHAKEN,
          "loads": pressed(2.0, 0.0, slice(0, TICKS))["loads"]},
     ],
-    ids=["followed", "turning", "closing", "stiff drive", "thrown back"],
+    ids=["followed", "turning", "closing", "stiff drive", "covered", "thrown back"],
 )  # fmt: skip
 def test_doubts_of_facts_that_contact_and_heads_explain_are_empty(changes: dict[str, Any]) -> None:
     assert doubts(made(**changes)) == []
