@@ -10,6 +10,8 @@ from cbdsl_why.history import AGES, HALT, FailureCause, History, Mask, spans
 
 # A joint lags if it is this share of the largest lead behind its reference for this long, s.
 _LAG, _LAG_TIME = 0.5, 0.3
+# Lag of a joint that begins to stop, as a share of the largest lead.
+_RISES = 0.1
 # Motion of a joint that stands still, as a share of the largest lead.
 _STANDS = 0.25
 # Share of the ticks until the end in which a joint that does not follow lags.
@@ -36,7 +38,9 @@ def _lagging(history: History) -> Iterator[FailureCause]:
         ticks = [first for first, last in spans(late) if last - first >= history.ticks(_LAG_TIME)]
         # A joint that catches up was only slow. References restart at each action.
         if ticks and late[ticks[0] :].mean() > _MOSTLY and late[-history.ticks(1.0) :].any():
-            first = max(ticks[0] - AGES + 1, 0)
+            # It stopped when its lag began to grow.
+            rises = np.flatnonzero(lag[: ticks[0], joint] <= _RISES * lead)
+            first = max((int(rises[-1]) if len(rises) else ticks[0]) - AGES + 2, 0)
             # An object that stops an arm holds several of its joints back.
             if any(pushes[first:].mean() > _MOSTLY and joint in joints for pushes, joints in stops):
                 continue
