@@ -189,12 +189,19 @@ def _fingers(history: History) -> Iterator[Doubt]:
             ),
         ):
             for first, last in spans(contradiction):
-                # A turned hand presses beside its cells.
-                turned = turned_hand(history, cell.split(".")[0], first, name)
-                if last - first >= history.ticks(_LASTS) and turned is None:
+                if last - first >= history.ticks(_LASTS) and not _is_off(history, cell, first):
                     middle = (first + last) // 2
                     yield Doubt(first, clause.format(lag[middle], force[middle]))
                     break
+
+
+def _is_off(history: History, cell: str, tick: int) -> bool:
+    """Return whether a hand is turned or beside its object, and presses beside its cells."""
+    hand = cell.split(".")[0]
+    place = approached(history, tick, hand)
+    radius = BETWEEN * history.spread(hand, tick)
+    is_beside = place is not None and history.beside(hand, tick, place[1]) > radius > 0.0
+    return is_beside or turned_hand(history, hand, tick, cell) is not None
 
 
 def _overloads(history: History) -> Iterator[Doubt]:

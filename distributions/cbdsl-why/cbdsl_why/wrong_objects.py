@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cbdsl_why.history import SHOWN, ControllerCourse, FailureCause, History, spans
-from cbdsl_why.orientations import turned_hand
+from cbdsl_why.orientations import orientations, turned_hand
 
 # Force of a fingertip that presses on something, and of one that moves a free object, N.
 _PRESSED, _MOVES = 1.0, 2.0
@@ -71,6 +71,9 @@ def one_sided(
     for first, last, force in unmoved(history, hand, ticks, signal):
         if _presses_outside(history, hand, (first + last) // 2, signal):
             clause = f"{hand} pressed on something by {force:.1f} N from one side"
+            if not orientations(history, hand):
+                clause = f"{clause}, and no controller turned it"
+                return FailureCause("no_rotation", first, clause)
             return FailureCause("wrong_object", first, f"{clause}, and {signal} was seen to stay")
     return None
 

@@ -124,7 +124,11 @@ def test_press_that_does_not_move_the_object_is_on_another_one(
     place: float, speed: float, is_other: bool
 ) -> None:
     moved = np.outer(speed * np.clip(_TICK - 30, 0, None) / 60, [0.0, 1.0, 0.0])
-    history = made(**_SIDED, signal_stereo__red=np.array([1.0, place, 0.0]) + moved)
+    facts = {**_SIDED, "signal_stereo__red": np.array([1.0, place, 0.0]) + moved}
+    assert (_named(made(**facts))[0] == "no_rotation") == is_other
+    turned = {"triples": _oriented(), "signals": _signals(), "signal_arm__orientation": _TURNS}
+    errors = np.where(np.arange(3) == 2, 0.0, 0.1) * np.ones((TICKS, 1))
+    history = made(**facts, **turned, errors=errors)
     assert (_named(history)[0] == "wrong_object") == is_other
 
 

@@ -25,6 +25,7 @@ _CLOSING = {
     "flags": flags("seeking", 1, slice(30, 90)) | flags("exhausted", 1, slice(90, TICKS)),
 }
 _FAR = np.tile([3.0, 0.0, 0.0], (TICKS, 1))
+_BETWEEN = np.tile([1.0, 0.04, 0.0], (TICKS, 1))
 # A drive that lagged before.
 _YIELDS = np.where(_TICK[:, None] < 3, [0.0, 0.1], 0.0)
 # The controller of the hand's forces acts from the 50th tick on.
@@ -60,11 +61,12 @@ _HEAVY = {
         ("early or late", 0, {"time": _UNEVEN}),
         ("encoder differ", 66, {"references": _MOVING, "positions": 0.5 * _MOVING}),
         ("read jumps", 0, {"positions": _SHAKEN, "signal_stereo__red": _FAR}),
-        ("felt 0.2 N", 60, {**pressed(0.2, 0.1), **_CLOSES}),
+        ("felt 0.2 N", 60, {**pressed(0.2, 0.1), **_CLOSES, "signal_stereo__red": _BETWEEN}),
         ("ahead of its reference", 63, _RUNAWAY),
         ("all its cells felt 1.0 N", 0, _IDLE),
         ("the images are old", 43, _STALE),
-        ("behind its reference only", 60, {**pressed(5.0, 0.0), **_CLOSES, "references": _YIELDS}),
+        ("behind its reference only", 60, {**pressed(5.0, 0.0), **_CLOSES, "references": _YIELDS,
+                                           "signal_stereo__red": _BETWEEN}),
         ("bore 6.0 N", 60, _HEAVY),
         ("reversed", 0, {"references": 0.2 * _SHAKEN, "positions": 0.2 * _SHAKEN}),
         ("not at one position", 30, {"sight": _UNMATCHED, "signal_stereo__red": _FAR}),
