@@ -105,6 +105,77 @@ _CLOSE = (
 )
 _BELOW = "  reach: orient ◁ approach ◁ posture\n"
 
+# Programs that take from above, with both hands, between two fingers, and place.
+_TAKE, _BOTH, _PINCH, _BRING = "take", "take_with_both", "pinch", "bring"
+_PAD, _LARGE = "things_and_a_pad", "large_things"
+_OVER, _ABOVE = '"stereo.$feature - [0 cm, 0 cm, 2 cm]"', "stereo.$feature.on.$goal.above"
+_CLOSES_EARLY = (
+    "touch($hand, 2 N)",
+    "{potential: spring, reference: 2 N along normals, feedback: $hand.finger_forces,"
+    " effector: $hand, seek: {until: 0.4 rad}, quiescence: {rate: 0.5, window: 0.6 s, within: 0.2}}",
+)
+_BOUND = ("reward_ends: false}", "reward_ends: false, episode_time: 30 s}")
+_FACING = (
+    ("face_left, face_right, squeeze", "face_left, squeeze"),
+    (
+        "  # The hands face each other, level with each other.\n",
+        "  face_right: {potential: spring, reference: [180 deg, 0 deg, 0 deg],"
+        " feedback: right_arm.orientation, effector: right_arm.orientation}\n",
+    ),
+)
+_PLACED = '"stereo.$feature.on.$goal.placed + [0 cm, 0 cm, 6 cm]"'
+_TURNED_PALM = (
+    "  transport: level ◁ carry\n",
+    "  over: {requires: hold, potential: spring, reference: [120 deg, 0 deg, 0 deg],"
+    " feedback: $arm.orientation, effector: $arm.orientation, speed: 1 rad/s}\n"
+    "  transport: over ◁ carry\n",
+)
+
+_SIZES = (
+    "radius: [5 cm, 7 cm]",
+    "size: [8 cm, 8 cm, 8 cm]",
+    "radius: 4 cm, height: 12 cm",
+    "size: [10 cm, 10 cm, 10 cm]",
+)
+_SMALL = tuple(
+    zip(
+        _SIZES,
+        (
+            "radius: 2.1 cm",
+            "size: [4 cm, 4 cm, 4 cm]",
+            "radius: 2 cm, height: 4 cm",
+            "size: [3 cm, 3 cm, 3 cm]",
+        ),
+        strict=True,
+    )
+)
+_HUGE = (
+    *zip(
+        _SIZES,
+        (
+            "radius: 12 cm",
+            "size: [24 cm, 24 cm, 24 cm]",
+            "radius: 12 cm, height: 22 cm",
+            "size: [20 cm, 28 cm, 28 cm]",
+        ),
+        strict=True,
+    ),
+    ("by: [15 cm, 25 cm]", "by: [24 cm, 28 cm]"),
+    ("[-20 cm, 4 cm]", "[0 cm, 14 cm]"),
+)
+_NO_OTHERS = (
+    "  cube:\n    placed: {cube: {things: [cube], place: *right_of_it}}\n    joints: *looking\n  cylinder:\n    placed: {cylinder: {things: [cylinder], place: *right_of_it}}\n    joints: *looking\n  box:\n    placed: {box: {things: [box], place: *right_of_it}}\n    joints: *looking\n",
+    "",
+)
+_MEET = "bimanualtouch"
+_IDLE = ("idle_time: 1 s}", "idle_time: 1 s, episode_time: 30 s}")
+_AROUND = "carry: carry_around($arm, hold, $feature, $goal"
+_AWAY = (
+    'carry: {requires: hold, potential: spring, reference: "stereo.$goal + [0 cm, 16 cm, 12 cm]",'
+    " feedback: stereo.$feature, effector: $arm.position, speed: 12 cm/s,"
+    " quiescence: {rate: 1e-2, window: 0.3 s, tolerance: 3 cm}}  #"
+)
+
 #: Injections with which explanations were developed.
 DEVELOPED = (
     Injection("no_grasp", _PICK, {_TOUCH: [("2 cm, until: $hand.shut", "2 cm, until: 0.4 rad")]}),
@@ -268,4 +339,273 @@ DEVELOPED = (
     unlisted("no loads", _PANDA, fault=partial(Distortion, scaled_loads(0.0))),
     unlisted("stale images", _PANDA, fault=lambda backend: Distortion(StaleImages(), backend)),
     unlisted("drift", _PANDA, {}, Drift),
+    # Other programs: from above, with both hands, between two fingers, and placing.
+    Injection("no_grasp", _TAKE, {_TAKE: [_CLOSES_EARLY, _BOUND]}, stage=_PAD),
+    Injection(
+        "translation",
+        _TAKE,
+        {_TAKE: [(_OVER, _OVER.replace("- [0 cm, 0", "- [0 cm, 12")), _BOUND]},
+        stage=_PAD,
+    ),
+    Injection("rotation", _TAKE, {_TAKE: [(_ABOVE, "[95 deg, 0 deg, 0 deg]"), _BOUND]}, stage=_PAD),
+    Injection(
+        "no_rotation",
+        _TAKE,
+        {_TAKE: [("◁ ready($arm) ◁ turn ◁ over", "◁ over"), _BOUND]},
+        stage=_PAD,
+    ),
+    Injection(
+        "wrong_order",
+        _TAKE,
+        {_TAKE: [("survey: {then: rise", "survey: {then: touch"), _BOUND]},
+        stage=_PAD,
+    ),
+    Injection(
+        "held",
+        _TAKE,
+        {_TAKE: [("ready($arm) ◁ turn ◁ over", "turn ◁ over ◁ ready($arm)"), _BOUND]},
+        stage=_PAD,
+    ),
+    Injection("never_seen", _TAKE, {_TAKE: [("goal: green", "goal: yellow"), _BOUND]}, stage=_PAD),
+    Injection("lost", _TAKE, {_TAKE: [_BOUND]}, Removal, _PAD),
+    Injection("occluded", _TAKE, {_TAKE: [_BOUND]}, OneEye, _PAD),
+    Injection("slip", _BRING, {_BRING: [_BOUND]}, InjectedSlip, _PAD),
+    Injection(
+        "wrong_order",
+        _MEET,
+        {
+            _MEET: [
+                (
+                    "  XXX: reachtouch\n  0XX: reachtouch",
+                    "  XXX: conditionedhold ◁ touch\n  0XX: reachtouch",
+                ),
+                ("  X--: reachtouch", "  X--: conditionedhold ◁ touch"),
+                _IDLE,
+            ]
+        },
+    ),
+    Injection("rotation", _BRING, {_BRING: [_TURNED_PALM, _BOUND]}, stage=_PAD),
+    Injection(
+        "translation",
+        _BRING,
+        {
+            _BRING: [
+                (
+                    "carry: carry_around($arm, hold, $feature, $goal",
+                    'carry: {requires: hold, potential: spring, reference: "stereo.$goal + [0 cm, 16 cm, 12 cm]", feedback: stereo.$feature, effector: $arm.position, speed: 12 cm/s, quiescence: {rate: 1e-2, window: 0.3 s, tolerance: 3 cm}}  #',
+                ),
+                (
+                    "$feature.on.$goal.placed - [0 cm, 0 cm",
+                    "$feature.on.$goal.placed - [0 cm, -16 cm",
+                ),
+                (" ◁ near ◁ place", " ◁ place"),
+                ("place at rest and near at rest and clear", "place at rest and clear"),
+                ("place at rest and near at rest and clear", "place at rest and clear"),
+                _BOUND,
+            ]
+        },
+        stage=_PAD,
+    ),
+    Injection(
+        "wrong_object",
+        _BRING,
+        {
+            _BRING: [
+                (
+                    "take: {program: take, with: {feature: $feature",
+                    "take: {program: take, with: {feature: yellow",
+                ),
+                _BOUND,
+            ],
+            _PAD: [
+                (
+                    "    joints: &looking",
+                    "      other: {things: [other], place: {beside: {name: pad, by: [15 cm, 20 cm], direction: [45 deg, 120 deg]}}}\n    joints: &looking",
+                ),
+                (
+                    "things:\n  ball",
+                    "things:\n  other: {form: {shape: box, size: [8 cm, 8 cm, 8 cm]}, mass: 250 g, color: [1, 1, 0]}\n  ball",
+                ),
+                _NO_OTHERS,
+            ],
+        },
+        stage=_PAD,
+    ),
+    Injection(
+        "translation",
+        _BOTH,
+        {
+            _BOTH: [
+                (
+                    "reference: stereo.$feature\n    feedback: arms.centroid",
+                    'reference: "stereo.$feature + [0 cm, 0 cm, 24 cm]"\n    feedback: arms.centroid',
+                ),
+                ('"stereo.$feature - [3 mm, 8 mm]"', '"stereo.$feature + [0 cm, 24 cm]"'),
+                _BOUND,
+            ]
+        },
+        stage=_LARGE,
+    ),
+    Injection("rotation", _BOTH, {_BOTH: [*_FACING, _BOUND]}, stage=_LARGE),
+    Injection(
+        "no_rotation",
+        _BOTH,
+        {
+            _BOTH: [
+                ("surround: face_left ◁ face_right ◁ apart", "surround: apart"),
+                ("stay ◁ face_left ◁ face_right", "stay"),
+                ("still ◁ face_left ◁ face_right", "still"),
+                _BOUND,
+            ]
+        },
+        stage=_LARGE,
+    ),
+    Injection(
+        "wrong_order",
+        _BOTH,
+        {_BOTH: [("searchtrack: {then: surround", "searchtrack: {then: squeeze"), _BOUND]},
+        stage=_LARGE,
+    ),
+    Injection(
+        "slip",
+        _BOTH,
+        {
+            _BOTH: [_BOUND],
+            _LARGE: [
+                ("mass: 300 g", "mass: 300 g, friction: 0.05"),
+                ("mass: 400 g", "mass: 400 g, friction: 0.05"),
+            ],
+        },
+        stage=_LARGE,
+    ),
+    Injection(
+        "translation",
+        "bring_with_both",
+        {
+            "bring_with_both": [
+                (_PLACED, '"stereo.$feature.on.$goal.placed + [-16 cm, 0 cm, 6 cm]"'),
+                _BOUND,
+            ],
+            _PAD: _HUGE,
+        },
+        stage=_PAD,
+    ),
+    Injection(
+        "wrong_order",
+        _PINCH,
+        {_PINCH: [("approach at rest: descend", "approach at rest: right"), _BOUND], _PAD: _SMALL},
+        stage=_PAD,
+    ),
+    Injection(
+        "translation",
+        _PINCH,
+        {
+            _PINCH: [
+                ("[0 mm, 6 mm, 20 cm]", "[0 mm, 90 mm, 20 cm]"),
+                ("[0 mm, 6 mm, 8.8 cm]", "[0 mm, 90 mm, 8.8 cm]"),
+                _BOUND,
+            ],
+            _PAD: _SMALL,
+        },
+        stage=_PAD,
+    ),
+    Injection(
+        "no_rotation",
+        _PINCH,
+        {
+            _PINCH: [("ready(right_arm) ◁ turn ◁ above", "ready(right_arm) ◁ above"), _BOUND],
+            _PAD: _SMALL,
+        },
+        stage=_PAD,
+    ),
+    Injection("out_of_reach", "reachtouch", stage="out_of_reach"),
+    Injection("wrong_order", "put_down", {"put_down": [_BOUND]}),
+    Injection(
+        "no_action",
+        "bring_from_side",
+        {"put_down_from_side": [("  XX1X: retreat\n", "")], "bring_from_side": [_BOUND]},
+    ),
+    Injection("translation", "bring_from_side", {"bring_from_side": [(_AROUND, _AWAY), _BOUND]}),
+    Injection(
+        "translation",
+        _MEET,
+        {
+            _MEET: [
+                (
+                    "    reference: stereo.$feature\n",
+                    '    reference: "stereo.$feature + [0 cm, 25 cm, 0 cm]"\n',
+                ),
+                _IDLE,
+            ]
+        },
+    ),
+    Injection(
+        "no_rotation",
+        _MEET,
+        {_MEET: [("meet ◁ face_left ◁ face_right ◁ carry", "meet ◁ carry"), _IDLE]},
+    ),
+    Injection(
+        "slip",
+        _MEET,
+        {
+            _MEET: [_IDLE],
+            "table_right": 2 * [("mass: 300 g, color", "mass: 300 g, friction: 0.05, color")]
+            + [("mass: [200 g, 300 g], color", "mass: 300 g, friction: 0.05, color")],
+        },
+    ),
+    Injection(
+        "no_grasp",
+        "visualinspect",
+        {
+            "visualinspect": [_IDLE, ("policy: reachtouch, ", "")],
+            _TOUCH: [("2 cm, until: $hand.shut", "2 cm, until: 0.4 rad")],
+        },
+    ),
+    Injection("slip", "bring_from_side", {"bring_from_side": [_BOUND]}, InjectedSlip),
+    Injection(
+        "slip", "bring_with_both", {"bring_with_both": [_BOUND], _PAD: _HUGE}, InjectedSlip, _PAD
+    ),
+    Injection("no_grasp", "tactileprobe", stage="absent"),
+    Injection(
+        "time",
+        _BRING,
+        {_BRING: [("reward_ends: false}", "reward_ends: false, episode_time: 12 s}")]},
+        stage=_PAD,
+    ),
+    Injection("wrong_order", "push", stage="cube_on_bench"),
+    Injection(
+        "translation",
+        "visualinspect",
+        {
+            "visualinspect": [_IDLE, ("policy: reachtouch, ", "")],
+            _TOUCH: [(_SEEN, _OFF.format(14))],
+        },
+    ),
+    Injection(
+        "held",
+        "bring_from_side",
+        {
+            "take_from_side": [("ready($arm) ◁ behind", "behind ◁ ready($arm)")],
+            "bring_from_side": [_BOUND],
+        },
+    ),
+    Injection(
+        "wrong_object",
+        _TAKE,
+        {
+            _TAKE: [_BOUND],
+            _PAD: [
+                (
+                    "    joints: &looking",
+                    "      block: {things: [block], place: {beside: {name: ball, by: 10 cm}}}\n    joints: &looking",
+                ),
+                (
+                    "things:\n  ball",
+                    "things:\n  block: {form: {shape: box, size: [6 cm, 6 cm, 13 cm]}, mass: 2 kg, color: [0, 0, 1]}\n  ball",
+                ),
+                _NO_OTHERS,
+            ],
+        },
+        stage=_PAD,
+    ),
 )

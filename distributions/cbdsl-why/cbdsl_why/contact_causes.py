@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl_why.history import ControllerCourse, FailureCause, History, spans
+from cbdsl_why.history import SHOWN, ControllerCourse, FailureCause, History, spans
+from cbdsl_why.motion_causes import held_back
 from cbdsl_why.orientations import at_odds, oriented, turned_hand
+from cbdsl_why.placing_causes import placings
 from cbdsl_why.wrong_objects import held_others, one_sided, strays
 
 # Distance that an object moves because of a touch, m, and the force of that touch, N.
@@ -19,6 +21,13 @@ _AFTER = 1.0
 _PRESSED = 1.0
 # Time for which an object stops a hand, s.
 _STOPS = 1.0
+# Distance from its target from which a hand has not arrived, m.
+_SHORT = 0.03
+# Distance of an object from the line between two hands that they do not press on, m.
+_WIDE = 0.12
+# Distance by which a hand rises more than the object that it holds, m, for how long, s, and the
+# motion of an object that it has moved at all, m.
+_LEFT, _LATER, _STIRRED = 0.06, 0.5, 0.02
 # Number of ticks of a change of action.
 _CHANGE = 3
 #: Share of the mean distance of open fingers from their centre up to which an object is between.
@@ -45,12 +54,14 @@ def contact(history: History) -> Iterator[FailureCause]:
         courses = [each for each in history.courses if each.hand == hand and each.grasps]
         held = np.any([history.rests(each) for each in courses], axis=0)
         last_held = max(np.flatnonzero(held), default=-1)
-        for kind in (_slips, _unheld, strays, _misses, _stops):
+        for kind in (_slips, _slides, _unheld, strays, _misses, _stops):
             events = list(kind(history, courses))
             # A hand that lost an object and held it again has recovered, unless it lost it again.
-            if events and events[-1].tick > last_held:
+            again = kind is _slips and len(events) > 1 and events[-1].tick > last_held - last_held / 4
+            if events and (events[-1].tick > last_held or again):
                 yield events[0]._replace(times=len(events))
     yield from held_others(history)
+    yield from placings(history)
     yield from _moved(history)
 
 
@@ -75,6 +86,10 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
             continue
         begin = first + int(held[first:ends].argmax())
         clause = f"{courses[0].hand} lost the object that it had grasped"
+        early = _early(history, losers[0], first, clause)
+        if early is not None:
+            yield early._replace(tick=ends)
+            continue
         askew = at_odds(history, courses[0].hand, begin, clause)
         if askew is not None:
             yield askew._replace(tick=ends)
@@ -82,6 +97,38 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
         force = float(history.forces(courses[0].hand)[max(first, last - 5) : ends].max())
         clause = f"the object slipped from {courses[0].hand}: {losers[0].name} felt {force:.1f} N"
         yield FailureCause("slip", ends, f"{clause} and then nothing", {"force": force})
+
+
+def _early(
+    history: History, course: ControllerCourse, tick: int, clause: str
+) -> FailureCause | None:
+    """Return the order of a hand that had closed before the last approach of its program."""
+    while tick > 0 and course.acts[tick - 1]:
+        tick -= 1
+    place = approached(history, tick + _CHANGE, course.hand)
+    attempt = GraspAttempt(course, tick + _CHANGE, tick + _CHANGE)
+    return None if place is None else _left_out(history, attempt, place[0], clause)
+
+
+def _slides(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
+    """Yield the ticks in which a lifted hand left an object behind that it had moved a little."""
+    hand = courses[0].hand
+    heights = history.lifted(hand)
+    for first, last in spans(history.holds(hand)):
+        place = approached(history, first, hand)
+        if place is None:
+            continue
+        values = history.places[place[0]][first : last + 1, 2]
+        shown = history.sees(place[0], SHOWN)[first : last + 1] & ~np.isnan(values)
+        if not shown.any():
+            continue
+        rose = heights[first : last + 1] - heights[first]
+        moved = np.abs(values - values[shown.argmax()])
+        left = np.flatnonzero(shown & (rose - moved > _LEFT))
+        if len(left) > history.ticks(_LATER) and np.nanmax(moved) > _STIRRED:
+            tick = first + int(left[0])
+            clause = f"{place[0]} slipped through {hand}, which rose by {100 * rose.max():.1f} cm"
+            yield FailureCause("slip", tick, clause, {"left": float(rose[left[0]])})
 
 
 def _unheld(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
@@ -103,9 +150,10 @@ def _opens(history: History, hand: str, tick: int) -> bool:
     """Return whether a member opens or shapes a hand at a tick."""
     before = slice(max(0, tick - _CHANGE), tick)
     return any(
-        each.member and each.hand == hand and not each.grasps and each.acts[before].any()
+        each.member and each.hand == hand and not each.grasps and not each.requires
+        and each.acts[before].any()
         for each in history.courses
-    )
+    )  # fmt: skip
 
 
 def _misses(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
@@ -166,7 +214,11 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
     signal = place[0]
     beside = _beside(history, course.hand, first, closed, place)
     if beside is not None:
-        return _left_out(history, attempt, signal, closed) or beside
+        return (
+            _left_out(history, attempt, signal, closed)
+            or _kept_short(history, first, signal, beside)
+            or beside
+        )
     return (
         turned_hand(history, course.hand, first, closed)
         or one_sided(history, course, (first, last), signal)
@@ -183,10 +235,38 @@ def _beside(
     if not radius:
         return None
     beside = history.beside(hand, tick, position)
+    pair = history.pair(hand)
+    if pair:
+        beside, radius = _off_line(history, pair, tick, position), _WIDE
     clause = f"{closed}, {100 * beside:.1f} cm beside {signal}: its fingers hold within"
     numbers = {"beside": beside, "radius": radius}
     cause = FailureCause("translation", tick, f"{clause} {100 * radius:.1f} cm", numbers)
     return cause if beside > radius else None
+
+
+def _off_line(history: History, pair: tuple[str, str], tick: int, position: np.ndarray) -> float:
+    """Return the distance of a position from the line through the palms of two arms, m."""
+    one, other = (history.palm_place(arm)[tick] for arm in pair)
+    line = (other - one) / (np.linalg.norm(other - one) or 1.0)
+    away = position - one
+    return float(np.linalg.norm(away - (away @ line) * line))
+
+
+def _kept_short(
+    history: History, tick: int, signal: str, beside: FailureCause
+) -> FailureCause | None:
+    """Return what kept the latest approach of an object so far from its target, if anything."""
+    acted = [
+        (int(np.flatnonzero(each.acts[: tick + 1])[-1]), each)
+        for each in history.approaches
+        if each.base == signal and each.acts[: tick + 1].any()
+    ]
+    last, course = max(acted, key=lambda each: each[0])
+    errors = course.errors[: last + 1][~np.isnan(course.errors[: last + 1])]
+    short = beside.numbers["beside"] - beside.numbers["radius"]
+    if not len(errors) or errors[-1] < max(short, _SHORT):
+        return None
+    return held_back(history, course, last)
 
 
 def _left_out(
@@ -194,7 +274,12 @@ def _left_out(
 ) -> FailureCause | None:
     """Return the order of a hand that closed before the last approach of its program."""
     course, first, _ = attempt
-    own = [e for e in history.approaches if e.base == signal and e.program == course.program]
+    own = [
+        each
+        for each in history.approaches
+        if each.base == signal and each.program == course.program
+        and not each.requires and not each.is_bound
+    ]  # fmt: skip
     acted = [each for each in own if each.acts[: first + 1].any()]
     left = [each for each in own if not each.acts[: first + 1].any()]
     if not acted or not left:

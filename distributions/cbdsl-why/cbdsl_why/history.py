@@ -65,7 +65,8 @@ class ControllerCourse(NamedTuple):
     Attributes:
         name: Name, qualified by the uses of programs.
         member: Member that it determines; empty if it determines none.
-        feedback, reference, base, effector, unit, requires: Texts as in a recording's triple.
+        feedback, reference, base, effector, unit, requires, potential: Texts as in a recording's
+            triple.
         letters: Predicate by tick, shape (T,).
         errors: Norm of the residual by tick, shape (T,), NaN while undefined.
         acts: True while it is a level of the stack, shape (T,).
@@ -84,6 +85,7 @@ class ControllerCourse(NamedTuple):
     effector: str
     unit: str
     requires: str
+    potential: str
     letters: NDArray[np.str_]
     errors: Floats
     acts: Mask
@@ -121,6 +123,16 @@ class ControllerCourse(NamedTuple):
         """
         is_own = self.feedback.split(".")[0] == self.effector.split(".")[0]
         return self.unit == "N" and (is_own or self.feedback.endswith(".net_forces"))
+
+    @property
+    def is_bound(self) -> bool:
+        """True if it only bounds a value, which other levels may keep."""
+        return self.potential in ("at_least", "at_most")
+
+    @property
+    def is_shared(self) -> bool:
+        """True if it controls the net forces of hands, by which they hold an object together."""
+        return self.unit == "N" and self.feedback.endswith(".net_forces")
 
     @property
     def hand(self) -> str:
@@ -286,9 +298,22 @@ class History:
 
     def closes(self, hand: str) -> Mask:
         """Return the ticks in which a controller of its forces moves a hand, (T,)."""
-        acts = [each.acts for each in self.courses if each.hand == hand and each.grasps]
+        acts = [e.acts for e in self.courses if e.grasps and (e.hand == hand or e.is_shared)]
         closes: Mask = np.any([np.zeros(len(self.time), dtype=bool), *acts], axis=0)
         return closes
+
+    def holds(self, hand: str) -> Mask:
+        """Return the ticks in which a hand is in contact since its forces came to rest, (T,)."""
+        courses = [each for each in self.courses if each.hand == hand and each.grasps]
+        rests = np.any([self.rests(each) for each in courses], axis=0)
+        # At a change of action no controller of the hand is active for a tick or two.
+        touches = np.any([each.defined for each in courses], axis=0) | rests
+        touches = touches | (self.forces(hand) > CONTACT)
+        holds = np.zeros(len(self.time), dtype=bool)
+        for first, last in spans(touches):
+            if rests[first : last + 1].any():
+                holds[first + int(rests[first : last + 1].argmax()) : last + 1] = True
+        return holds
 
     def cells_of(self, hand: str) -> list[int]:
         """Return the columns of the load cells of a hand, or of all hands for a group of them."""
@@ -418,6 +443,26 @@ class History:
         touches: Mask = np.max(forces, axis=0) > CONTACT
         return touches
 
+    def pair(self, hand: str) -> tuple[str, str] | tuple[()]:
+        """Return both arms of a group of two that hold objects between them; else nothing."""
+        tips = tuple(self.summary["robot"].get("tips", {}))
+        is_shared = any(each.is_shared and each.hand == hand for each in self.courses)
+        return (tips[0], tips[1]) if is_shared and len(tips) == 2 else ()
+
+    def palm_place(self, arm: str) -> Floats:
+        """Return the positions of the link at the tip of an arm, m, (T, 3)."""
+        link = self.summary["robot"]["tips"][arm]["link"]
+        return self._track(self._names.index(link))[0]
+
+    def lifted(self, hand: str) -> Floats:
+        """Return the height of a hand, or the mean one of two arms, by tick, m, shape (T,)."""
+        arms = self.pair(hand)
+        if not arms:
+            heights: Floats = self.centres(hand)[:, 2]
+            return heights
+        mean: Floats = np.mean([self.palm_place(arm)[:, 2] for arm in arms], axis=0)
+        return mean
+
     def palm(self, hand: str) -> Floats:
         """Return the rotations of the tip that carries a hand, (T, 3, 3), whose z axis points.
 
@@ -500,7 +545,7 @@ def _courses(recorded: Recorded) -> Iterator[ControllerCourse]:
     shape = letters.shape
     errors = arrays.get("errors", np.full(shape, np.nan))
     bits = arrays.get("flags", np.zeros(shape)).astype(int)
-    keys = ("feedback", "reference", "base", "effector", "unit", "requires")
+    keys = ("feedback", "reference", "base", "effector", "unit", "requires", "potential")
     for column, name in enumerate(recorded.controllers):
         triple = summary["triples"][name]
         yield ControllerCourse(

@@ -56,8 +56,9 @@ def motion(history: History) -> Iterator[FailureCause]:
             continue
         if not (course.member or course in history.approaches):
             continue
-        # A level that waits where it is has nowhere to arrive.
-        if course.reference == "here":
+        # A level that waits where it is has nowhere to arrive, and a bound that requires a grasp
+        # asks whether the object follows.
+        if course.reference == "here" or (course.requires and course.is_bound):
             continue
         short = _is_short(course)
         arrived = np.flatnonzero((course.letters == "1") & ~course.flag("stuck"))
@@ -67,7 +68,7 @@ def motion(history: History) -> Iterator[FailureCause]:
         if course.member:
             ticks += list(np.flatnonzero(course.flag("stuck")))
         late = sorted(t for t in ticks if t > last_arrived)
-        cause = _held(history, course, late[0]) if late else None
+        cause = held_back(history, course, late[0]) if late else None
         if cause is not None:
             yield cause
 
@@ -79,7 +80,7 @@ def _is_short(course: ControllerCourse) -> Mask:
     return short
 
 
-def _held(history: History, course: ControllerCourse, end: int) -> FailureCause | None:
+def held_back(history: History, course: ControllerCourse, end: int) -> FailureCause | None:
     """Return the cause that kept a level from its target until a tick; ``None`` if it moved."""
     acting = np.flatnonzero(_is_short(course)[: end + 1])
     end = int(acting[-1])
@@ -127,6 +128,8 @@ def _reason(
         return "limit", f": {' and '.join(limits) or 'joints'} were at their limits"
     if holder in _KINDS:
         return _KINDS[holder], f" at a {holder}"
+    if _yields(history, course, holder, late):
+        return "", ""
     if holder and share < _SMALL_SHARE:
         taken = f"which left it {100 * max(0.0, share):.0f} % of its motion"
         # No arm reaches a target in an orientation that it cannot have there.
@@ -146,6 +149,15 @@ def _turns(history: History, course: ControllerCourse, holder: str) -> bool:
         signals.get(each.feedback, {}).get("type") == "orientation" and each.reference != "here"
         for each in held_by
     )
+
+
+def _yields(history: History, course: ControllerCourse, holder: str, late: slice) -> bool:
+    """Return whether a level gave way to another member of its program, which was at rest."""
+    return any(
+        each.name == holder and each.member and each.program == course.program
+        and each.effector == course.effector and (each.letters[late] == "1").any()
+        for each in history.courses
+    )  # fmt: skip
 
 
 def _beyond(history: History, course: ControllerCourse, tick: int) -> tuple[float, float] | None:

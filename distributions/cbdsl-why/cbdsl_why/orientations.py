@@ -59,6 +59,9 @@ def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureC
     courses = orientations(history, hand)
     acted = _latest(history, courses, tick)
     across = _across(history, hand, tick)
+    facing = _facing(history, hand, tick, closed, acted)
+    if facing is not None:
+        return facing
     if not courses and (_is_oblique(history, hand, tick) or across > _ACROSS):
         return FailureCause("no_rotation", tick, f"{closed}: no controller turned the hand")
     if courses and not acted:
@@ -77,6 +80,30 @@ def turned_hand(history: History, hand: str, tick: int, closed: str) -> FailureC
         clause = f"{closed}, and pointed {math.degrees(across):.0f} deg away from its way to it"
         return FailureCause("rotation", tick, clause, {"angle": across})
     return at_odds(history, hand, tick, closed)
+
+
+def _facing(
+    history: History, hand: str, tick: int, clause: str, acted: list[ControllerCourse]
+) -> FailureCause | None:
+    """Return the orientation of hands of two arms that do not face each other, if they do not.
+
+    They press along the normals of their palms on an object between them.
+    """
+    pair = history.pair(hand)
+    if not pair:
+        return None
+    way = np.subtract(*(history.palm_place(arm)[tick] for arm in reversed(pair)))
+    way = way / (np.linalg.norm(way) or 1.0)
+    links = [history.summary["robot"]["tips"][arm]["link"] for arm in pair]
+    normals = [history.turns(link)[tick, :, 2] for link in links]
+    angles = [_angle(float(normals[0] @ way)), _angle(float(-normals[1] @ way))]
+    worst = int(np.argmax(angles))
+    if angles[worst] < _ACROSS:
+        return None
+    turned = [each for each in acted if each.hand == pair[worst]]
+    clause = f"{clause}: {pair[worst]} pointed {math.degrees(angles[worst]):.0f} deg away from"
+    kind = "rotation" if turned else "no_rotation"
+    return FailureCause(kind, tick, f"{clause} {pair[1 - worst]}", {"angle": angles[worst]})
 
 
 def _is_oblique(history: History, hand: str, tick: int) -> bool:
@@ -124,6 +151,9 @@ def at_odds(history: History, hand: str, tick: int, clause: str) -> FailureCause
     """
     courses = orientations(history, hand)
     values = history.recorded.signals
+    facing = _facing(history, hand, tick, clause, _latest(history, courses, tick))
+    if facing is not None:
+        return facing
     for course in _latest(history, courses, tick):
         name, angle = course.base, 0.0
         # The error of a course shows a turn against its own reference.

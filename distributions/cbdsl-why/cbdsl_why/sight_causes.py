@@ -22,12 +22,31 @@ def sight(history: History) -> Iterator[FailureCause]:
                 lacks = history.lacks(course) & ~history.defined[signal]
                 if lacks.any():
                     needs.setdefault(signal, (course.name, lacks))
-    for signal, (name, lacks) in needs.items():
+    for signal, (name, lacks) in {**dict(_conditions(history)), **needs}.items():
         defined = np.flatnonzero(history.defined[signal])
         seen_last = int(defined[-1]) if len(defined) else -1
         until = int(np.flatnonzero(lacks)[-1])
         if until > seen_last:
             yield _absence(history, signal, name, (seen_last, until))
+
+
+def _conditions(history: History) -> Iterator[tuple[str, tuple[str, Mask]]]:
+    """Yield positions that are undefined while a condition is, with its name and these ticks.
+
+    A condition is a member that neither a controller nor a used program determines.
+    """
+    leads = {(e.program.rstrip("."), e.member) for e in history.courses if e.member}
+    uses = {each.get("use", "") for each in history.transitions}
+    for each in history.transitions:
+        use, tick = each.get("use", ""), history.tick(each["time"])
+        for name, letter in zip(history.recorded.members(each), each["next_state"], strict=False):
+            if letter != "-" or (use, name) in leads or f"{use}.{name}".lstrip(".") in uses:
+                continue
+            for signal in history.places:
+                lacks = np.zeros(len(history.time), dtype=bool)
+                lacks[tick] = not history.defined[signal][tick]
+                if lacks.any():
+                    yield signal, (name, lacks)
 
 
 def _absence(history: History, signal: str, name: str, ticks: tuple[int, int]) -> FailureCause:

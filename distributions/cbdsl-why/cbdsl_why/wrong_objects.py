@@ -38,15 +38,16 @@ def held_others(history: History) -> Iterator[FailureCause]:
     A controller that moves an object by an arm takes it to be in the hand.
     """
     for hand in history.hands:
-        grasps = [each for each in history.courses if each.hand == hand and each.grasps]
-        held = np.any([history.rests(each) for each in grasps], axis=0)
+        held = history.holds(hand)
         arms, centres = history.arm_of(hand), history.centres(hand)
         for course in history.courses:
             if course.feedback not in history.places or course.hand not in arms:
                 continue
             far = np.linalg.norm(history.places[course.feedback] - centres, axis=1) > _ELSEWHERE
             shown = history.sees(course.feedback, SHOWN)
-            for first, last in spans(held & course.acts & shown & far):
+            # It is undefined while the object does not move with the hand.
+            moves = course.acts | (history.lacks(course) & history.defined[course.feedback])
+            for first, last in spans(held & moves & shown & far):
                 if last - first < history.ticks(_LONG):
                     continue
                 clause = (
