@@ -148,7 +148,7 @@ _SMALL = tuple(
         ),
         strict=True,
     )
-)
+) + 3 * (("mass: 250 g", "mass: 40 g"),)
 _HUGE = (
     *zip(
         _SIZES,

@@ -9,7 +9,7 @@ import numpy as np
 
 from cbdsl_why.history import SHOWN, ControllerCourse, FailureCause, History, spans
 from cbdsl_why.motion_causes import held_back
-from cbdsl_why.orientations import at_odds, oriented, turned_hand
+from cbdsl_why.orientations import at_odds, keeps_any, oriented, turned_hand
 from cbdsl_why.placing_causes import placings
 from cbdsl_why.wrong_objects import held_others, one_sided, strays
 
@@ -28,6 +28,8 @@ _WIDE = 0.12
 # Distance by which a hand rises more than the object that it holds, m, for how long, s, and the
 # motion of an object that it has moved at all, m.
 _LEFT, _LATER, _STIRRED = 0.06, 0.5, 0.02
+# Ratio of the distance of an object from a hand that is not at it to the spread of the fingers.
+_AWAY = 1.5
 # Number of ticks of a change of action.
 _CHANGE = 3
 #: Share of the mean distance of open fingers from their centre up to which an object is between.
@@ -54,10 +56,14 @@ def contact(history: History) -> Iterator[FailureCause]:
         courses = [each for each in history.courses if each.hand == hand and each.grasps]
         held = np.any([history.rests(each) for each in courses], axis=0)
         last_held = max(np.flatnonzero(held), default=-1)
-        for kind in (_slips, _slides, _unheld, strays, _misses, _stops):
+        # An object that has slipped through a hand that still presses is not held.
+        yield from _slides(history, courses)
+        for kind in (_slips, _unheld, strays, _misses, _stops):
             events = list(kind(history, courses))
             # A hand that lost an object and held it again has recovered, unless it lost it again.
-            again = kind is _slips and len(events) > 1 and events[-1].tick > last_held - last_held / 4
+            again = (
+                kind is _slips and len(events) > 1 and events[-1].tick > last_held - last_held / 4
+            )
             if events and (events[-1].tick > last_held or again):
                 yield events[0]._replace(times=len(events))
     yield from held_others(history)
@@ -111,24 +117,24 @@ def _early(
 
 
 def _slides(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
-    """Yield the ticks in which a lifted hand left an object behind that it had moved a little."""
+    """Yield the tick in which a lifted hand left an object behind that it had moved a little.
+
+    Only the last hold counts, as an earlier one may have been made good.
+    """
     hand = courses[0].hand
-    heights = history.lifted(hand)
-    for first, last in spans(history.holds(hand)):
-        place = approached(history, first, hand)
-        if place is None:
-            continue
-        values = history.places[place[0]][first : last + 1, 2]
-        shown = history.sees(place[0], SHOWN)[first : last + 1] & ~np.isnan(values)
-        if not shown.any():
-            continue
-        rose = heights[first : last + 1] - heights[first]
-        moved = np.abs(values - values[shown.argmax()])
-        left = np.flatnonzero(shown & (rose - moved > _LEFT))
-        if len(left) > history.ticks(_LATER) and np.nanmax(moved) > _STIRRED:
-            tick = first + int(left[0])
-            clause = f"{place[0]} slipped through {hand}, which rose by {100 * rose.max():.1f} cm"
-            yield FailureCause("slip", tick, clause, {"left": float(rose[left[0]])})
+    heights, holds = history.lifted(hand), list(spans(history.holds(hand)))
+    place = approached(history, holds[-1][0], hand) if holds else None
+    if place is None:
+        return
+    held = slice(holds[-1][0], holds[-1][1] + 1)
+    values = history.places[place[0]][held, 2]
+    shown = history.sees(place[0], SHOWN)[held] & ~np.isnan(values)
+    rose, moved = heights[held] - heights[held.start], np.abs(values - values[shown.argmax()])
+    left = np.flatnonzero(shown & (rose - moved > _LEFT))
+    if len(left) > history.ticks(_LATER) and np.nanmax(moved) > _STIRRED:
+        tick = held.start + int(left[0])
+        clause = f"{place[0]} slipped through {hand}, which rose by {100 * rose.max():.1f} cm"
+        yield FailureCause("slip", tick, clause, {"left": float(rose[left[0]])})
 
 
 def _unheld(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
@@ -143,7 +149,14 @@ def _unheld(history: History, courses: list[ControllerCourse]) -> Iterator[Failu
             if history.lacks(course)[last : last + 1 + _CHANGE].any():
                 most = force[first : last + 1].max()
                 clause = f"{course.name} pressed with up to {most:.1f} N, held nothing and lost it"
-                yield FailureCause("no_grasp", last + 1, clause, {"force": float(most)})
+                if keeps_any(history, course.hand):
+                    clause = f"{clause}: no controller turned the hand"
+                    yield FailureCause("no_rotation", first, clause)
+                    continue
+                yield (
+                    turned_hand(history, course.hand, first, clause)
+                    or FailureCause("no_grasp", last + 1, clause, {"force": float(most)})
+                )
 
 
 def _opens(history: History, hand: str, tick: int) -> bool:
@@ -188,7 +201,7 @@ def _attempts(history: History, course: ControllerCourse) -> Iterator[GraspAttem
             over += [tick for tick in _stalls(history, course) if tried[0] <= tick <= last]
         if over:
             last = int(min(over))
-            yield GraspAttempt(course, int(tried[0]) if len(tried) else last, last)
+            yield GraspAttempt(course, int(tried[0]) if len(tried) else first, last)
 
 
 def _stalls(history: History, course: ControllerCourse) -> list[int]:
@@ -219,8 +232,11 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
             or _kept_short(history, first, signal, beside)
             or beside
         )
+    away = float(np.linalg.norm(place[1] - history.centres(course.hand)[first]))
+    is_far = away > _AWAY * history.spread(course.hand, first)
     return (
-        turned_hand(history, course.hand, first, closed)
+        (_left_out(history, attempt, signal, closed) if is_far else None)
+        or turned_hand(history, course.hand, first, closed)
         or one_sided(history, course, (first, last), signal)
         or FailureCause("no_grasp", last, f"{closed} at {signal}")
     )

@@ -331,17 +331,26 @@ class History:
 
     def fingers(self, hand: str, tick: int) -> Floats:
         """Return the positions of the links with a hand's load cells, m, shape (cells, 3)."""
-        cells = self.summary["robot"].get("cells", {})
-        own = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
-        links = own or [*cells.values()]
-        known = [self._names.index(link) for link in links if link in self._names]
+        known = [self._names.index(link) for link in self._tips(hand) if link in self._names]
         return np.array([self._track(place)[0][tick] for place in known]).reshape(-1, 3)
+
+    def _tips(self, hand: str) -> Sequence[str]:
+        """Return the links with a hand's load cells, or with all cells for a group of hands.
+
+        Of a hand that only single fingers hold by, these fingers count.
+        """
+        cells: Mapping[str, str] = self.summary["robot"].get("cells", {})
+        own = {cell: link for cell, link in cells.items() if cell.split(".")[0] == hand}
+        felt = {
+            e.feedback.removesuffix(".force") for e in self.courses if e.grasps and e.hand == hand
+        }
+        if felt and felt <= own.keys():
+            own = {cell: own[cell] for cell in own if cell in felt}
+        return [*(own or cells).values()]
 
     def centres(self, hand: str) -> Floats:
         """Return the centre of the fingers by tick, m, (T, 3); NaN without fingers."""
-        cells = self.summary["robot"].get("cells", {})
-        own = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
-        known = [self._names.index(e) for e in own or cells.values() if e in self._names]
+        known = [self._names.index(link) for link in self._tips(hand) if link in self._names]
         tracks = [self._track(place)[0] for place in known] or [
             np.full((len(self.time), 3), np.nan)
         ]

@@ -24,12 +24,22 @@ _UNTURNED = 0.8
 
 def orientations(history: History, hand: str) -> list[ControllerCourse]:
     """Return the courses that turn the arm of a hand; those of a relative ``here`` only keep it."""
+    return [each for each in _of_arm(history, hand) if each.reference != "here"]
+
+
+def keeps_any(history: History, hand: str) -> bool:
+    """Return whether controllers keep any orientation of a hand, which no controller demands."""
+    courses = _of_arm(history, hand)
+    return bool(courses) and all(each.reference == "here" for each in courses)
+
+
+def _of_arm(history: History, hand: str) -> list[ControllerCourse]:
+    """Return the courses that turn the arm of a hand, or keep its orientation."""
     signals, joints = history.summary["signals"], history.arm_of(hand)
     return [
         each
         for each in history.courses
         if signals.get(each.feedback, {}).get("type") == "orientation"
-        and each.reference != "here"
         and (not joints or each.effector.partition(".")[0] in joints)
     ]
 
