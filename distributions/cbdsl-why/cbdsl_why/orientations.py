@@ -190,7 +190,9 @@ def _is_related(one: ControllerCourse, other: ControllerCourse) -> bool:
     """Return whether two controllers turn one hand in one program, or in a used one."""
     programs = (one.program, other.program)
     is_within = programs[0].startswith(programs[1]) or programs[1].startswith(programs[0])
-    return one.feedback == other.feedback and is_within
+    # A hand may turn an object otherwise than it takes it.
+    is_alike = bool(one.requires) == bool(other.requires)
+    return one.feedback == other.feedback and is_within and is_alike
 
 
 def _angle(cosine: float) -> float:

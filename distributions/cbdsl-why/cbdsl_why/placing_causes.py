@@ -56,7 +56,7 @@ def _checked(history: History, hold: tuple[str, int, int]) -> FailureCause | Non
 
 def _seen(history: History, hold: tuple[str, int, int]) -> FailureCause | None:
     """Return the misplacing of an object that was seen beside its goal at the end, if it was."""
-    hand, first, last = hold
+    hand, _, last = hold
     for course in _carriers(history, hold):
         objects = _of(history, course)
         if objects is None:
