@@ -112,7 +112,8 @@ _OVER, _ABOVE = '"stereo.$feature - [0 cm, 0 cm, 2 cm]"', "stereo.$feature.on.$g
 _CLOSES_EARLY = (
     "touch($hand, 2 N)",
     "{potential: spring, reference: 2 N along normals, feedback: $hand.finger_forces,"
-    " effector: $hand, seek: {until: 0.4 rad}, quiescence: {rate: 0.5, window: 0.6 s, within: 0.2}}",
+    " effector: $hand, seek: {until: 0.4 rad}, quiescence: {rate: 0.5, window: 0.6 s,"
+    " within: 0.2}}",
 )
 _BOUND = ("reward_ends: false}", "reward_ends: false, episode_time: 30 s}")
 _FACING = (
@@ -164,7 +165,10 @@ _HUGE = (
     ("[-20 cm, 4 cm]", "[0 cm, 14 cm]"),
 )
 _NO_OTHERS = (
-    "  cube:\n    placed: {cube: {things: [cube], place: *right_of_it}}\n    joints: *looking\n  cylinder:\n    placed: {cylinder: {things: [cylinder], place: *right_of_it}}\n    joints: *looking\n  box:\n    placed: {box: {things: [box], place: *right_of_it}}\n    joints: *looking\n",
+    "  cube:\n    placed: {cube: {things: [cube], place: *right_of_it}}\n    joints:"
+    " *looking\n  cylinder:\n    placed: {cylinder: {things: [cylinder], place:"
+    " *right_of_it}}\n    joints: *looking\n  box:\n    placed: {box: {things: [box],"
+    " place: *right_of_it}}\n    joints: *looking\n",
     "",
 )
 _MEET = "bimanualtouch"
@@ -392,7 +396,10 @@ DEVELOPED = (
             _BRING: [
                 (
                     "carry: carry_around($arm, hold, $feature, $goal",
-                    'carry: {requires: hold, potential: spring, reference: "stereo.$goal + [0 cm, 16 cm, 12 cm]", feedback: stereo.$feature, effector: $arm.position, speed: 12 cm/s, quiescence: {rate: 1e-2, window: 0.3 s, tolerance: 3 cm}}  #',
+                    'carry: {requires: hold, potential: spring, reference: "stereo.$goal +'
+                    ' [0 cm, 16 cm, 12 cm]", feedback: stereo.$feature, effector:'
+                    " $arm.position, speed: 12 cm/s, quiescence: {rate: 1e-2, window: 0.3"
+                    " s, tolerance: 3 cm}}  #",
                 ),
                 (
                     "$feature.on.$goal.placed - [0 cm, 0 cm",
@@ -420,11 +427,13 @@ DEVELOPED = (
             _PAD: [
                 (
                     "    joints: &looking",
-                    "      other: {things: [other], place: {beside: {name: pad, by: [15 cm, 20 cm], direction: [45 deg, 120 deg]}}}\n    joints: &looking",
+                    "      other: {things: [other], place: {beside: {name: pad, by: [15 cm,"
+                    " 20 cm], direction: [45 deg, 120 deg]}}}\n    joints: &looking",
                 ),
                 (
                     "things:\n  ball",
-                    "things:\n  other: {form: {shape: box, size: [8 cm, 8 cm, 8 cm]}, mass: 250 g, color: [1, 1, 0]}\n  ball",
+                    "things:\n  other: {form: {shape: box, size: [8 cm, 8 cm, 8 cm]}, mass:"
+                    " 250 g, color: [1, 1, 0]}\n  ball",
                 ),
                 _NO_OTHERS,
             ],
@@ -438,7 +447,8 @@ DEVELOPED = (
             _BOTH: [
                 (
                     "reference: stereo.$feature\n    feedback: arms.centroid",
-                    'reference: "stereo.$feature + [0 cm, 0 cm, 24 cm]"\n    feedback: arms.centroid',
+                    'reference: "stereo.$feature + [0 cm, 0 cm, 24 cm]"\n    feedback:'
+                    " arms.centroid",
                 ),
                 ('"stereo.$feature - [3 mm, 8 mm]"', '"stereo.$feature + [0 cm, 24 cm]"'),
                 _BOUND,
@@ -597,11 +607,13 @@ DEVELOPED = (
             _PAD: [
                 (
                     "    joints: &looking",
-                    "      block: {things: [block], place: {beside: {name: ball, by: 10 cm}}}\n    joints: &looking",
+                    "      block: {things: [block], place: {beside: {name: ball, by: 10"
+                    " cm}}}\n    joints: &looking",
                 ),
                 (
                     "things:\n  ball",
-                    "things:\n  block: {form: {shape: box, size: [6 cm, 6 cm, 13 cm]}, mass: 2 kg, color: [0, 0, 1]}\n  ball",
+                    "things:\n  block: {form: {shape: box, size: [6 cm, 6 cm, 13 cm]},"
+                    " mass: 2 kg, color: [0, 0, 1]}\n  ball",
                 ),
                 _NO_OTHERS,
             ],
