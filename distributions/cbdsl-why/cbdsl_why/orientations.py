@@ -14,6 +14,8 @@ _TURNED = math.radians(15)
 # Angle of a hand to vertical and level above which it is oblique, angle to its way, rad, and the
 # length of that way, m.
 _OBLIQUE, _ACROSS, _WAY = math.radians(25), math.radians(50), 0.05
+# Angle between palms of two arms and the line between them that no press causes, rad.
+_AVERTED = math.radians(75)
 # Time within which controllers of one action ended, s.
 _TOGETHER = 0.5
 # Force of fingertips that stand on something, N.
@@ -108,7 +110,7 @@ def _facing(
     normals = [history.turns(link)[tick, :, 2] for link in links]
     angles = [_angle(float(normals[0] @ way)), _angle(float(-normals[1] @ way))]
     worst = int(np.argmax(angles))
-    if angles[worst] < _ACROSS:
+    if angles[worst] < _AVERTED:
         return None
     turned = [each for each in acted if each.hand == pair[worst]]
     clause = f"{clause}: {pair[worst]} pointed {math.degrees(angles[worst]):.0f} deg away from"
