@@ -3,7 +3,8 @@
 ``python benchmarks/first_causes.py --seeds 20`` runs the judged programs. Explanations were
 developed with ``--set developed``, which has other programs. Injections act through programs,
 stages, and the simulated backend; ``cb why`` reads recordings alone. ``--keep`` and ``--explain``
-record the episodes once, and explain them by later rules.
+record the episodes once, and explain them by later rules. ``--failed 20`` records each kind until
+it has 20 failed episodes whose program succeeds without the fault.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -25,6 +27,7 @@ from injected_causes import Edits, Injection
 from judged_causes import JUDGED
 
 import cbdsl
+from cbdsl.backends.backend import BackendError
 from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
@@ -48,6 +51,8 @@ _NEAR = 0.2
 _TIME = 90.0
 # File that lists the kept recordings, one JSON array a line.
 _INDEX = "recordings.jsonl"
+# File that lists all attempts to record failed episodes, one JSON array a line.
+_ATTEMPTS = "attempts.jsonl"
 # Use of a program in the text of another.
 _USED = re.compile(r"program: (\w+)[,}\n]")
 
@@ -100,27 +105,149 @@ def recorded(
         options: Options of the command: backend, and time of an episode.
         keep: Folder of the recordings.
     """
-    injection = chosen[index]
-    with TemporaryDirectory() as folder:
-        program = written(injection.edits, Path(folder), injection.program, options.time)
-        request = cbdsl.load(program, stage=injection.stage or None, values=injection.values)
-        # A new backend for each episode: faults change it.
-        with cbdsl.simulate(request, backend=options.backend, cameras="ideal") as world:
-            robot = world.robot.backend
-            assert isinstance(robot, SimulatedBackend)
-            fault = injection.fault(robot) if injection.fault else None
-            recording = Recording(request.program, request.robot, request.urdf)
-            ended: list[EpisodeResult] = []
-            observers = [recording, _End(ended), *([fault] if fault else [])]
-            # An episode that cannot go on is recorded up to its error.
-            with suppress(EpisodeError):
-                world.robot.runner().run(request.stage, seed, observer=EpisodeObservers(*observers))
-            # Some injections have the same kind: a folder of its own parts their seeds.
-            file = recording.write(keep / f"{index}_{injection.title}", ended[0])
-    row = RecordedInjection(index, None if fault is None else fault.time, file.relative_to(keep))
-    with (keep / _INDEX).open("a") as rows:
-        print(json.dumps((index, row.begin, str(row.file))), file=rows)
+    row, _ = attempt(chosen, index, seed, options, keep)
+    enlist(row, keep)
     return row
+
+
+def enlist(row: RecordedInjection, keep: Path) -> None:
+    """Add a recording to the index of its folder."""
+    with (keep / _INDEX).open("a") as rows:
+        print(json.dumps((row.place, row.begin, str(row.file))), file=rows)
+
+
+def attempt(
+    chosen: Sequence[Injection], index: int, seed: int, options: argparse.Namespace, keep: Path
+) -> tuple[RecordedInjection, bool]:
+    """Record an episode of an injection, and return whether it succeeded, too.
+
+    Args:
+        chosen: Injections of the set.
+        index: Index of the injection in the set.
+        seed: Seed of the episode.
+        options: Options of the command: backend, and time of an episode.
+        keep: Folder of the recordings.
+    """
+    injection = chosen[index]
+    edits = tuple((name, tuple(changes)) for name, changes in injection.edits.items())
+    request = requested(
+        injection.program, edits, injection.stage, on_robot(injection), options.time
+    )
+    # A new backend for each episode: faults change it.
+    with cbdsl.simulate(request, backend=options.backend, cameras="ideal") as world:
+        robot = world.robot.backend
+        assert isinstance(robot, SimulatedBackend)
+        fault = injection.fault(robot) if injection.fault else None
+        recording = Recording(request.program, request.robot, request.urdf)
+        ended: list[EpisodeResult] = []
+        observers = [recording, _End(ended), *([fault] if fault else [])]
+        # An episode that cannot go on is recorded up to its error.
+        with suppress(EpisodeError, BackendError):
+            world.robot.runner().run(request.stage, seed, observer=EpisodeObservers(*observers))
+        # Some injections have the same kind: a folder of its own parts their seeds.
+        file = recording.write(keep / f"{index}_{injection.title}", ended[0])
+    begin = None if fault is None else fault.time
+    return RecordedInjection(index, begin, file.relative_to(keep)), ended[0].succeeded
+
+
+@cache
+def requested(
+    program: str,
+    edits: tuple[tuple[str, tuple[tuple[str, str], ...]], ...],
+    stage: str,
+    robot: str | None,
+    limit: float,
+) -> cbdsl.RunRequest:
+    """Return the checked request to run a program with edited documents.
+
+    Args:
+        program: Name of the program.
+        edits: Replacements by name of the document.
+        stage: Name of the stage; empty for the program's.
+        robot: Name of the robot; ``None`` for the first one that fits.
+        limit: Time of an episode, s.
+    """
+    with TemporaryDirectory() as folder:
+        path = written(dict(edits), Path(folder), program, limit)
+        return cbdsl.load(path, stage=stage or None, robot=robot)
+
+
+def is_sound(injection: Injection, seed: int, options: argparse.Namespace) -> bool:
+    """Return whether the program succeeds without the fault, on its own stage."""
+    request = requested(injection.program, (), "", on_robot(injection), options.time)
+    ended: list[EpisodeResult] = []
+    with cbdsl.simulate(request, backend=options.backend, cameras="ideal") as world:
+        world.robot.runner().run(request.stage, seed, observer=_End(ended))
+    return ended[0].succeeded
+
+
+def record_failures(
+    chosen: Sequence[Injection], indices: Sequence[int], options: argparse.Namespace, keep: Path
+) -> None:
+    """Record failed episodes until each kind has the requested number, and list these.
+
+    Kinds take turns, and so do the injections of a kind. An episode counts if it fails, and the
+    program without the fault succeeds with the same seed. A file lists all attempts, so that a
+    later call continues.
+
+    Args:
+        chosen: Injections of the set.
+        indices: Indices of the recorded injections.
+        options: Options of the command.
+        keep: Folder of the recordings.
+    """
+    attempts = attempted(keep)
+    sound: dict[tuple[str, str, int], bool] = {}
+    groups: dict[str, list[int]] = defaultdict(list)
+    for index in indices:
+        groups[chosen[index].title].append(index)
+    for offset in range(10 * options.failed):
+        for group in groups.values():
+            index, seed = group[offset % len(group)], options.first + offset
+            failed = sum(row[0] in group and row[2] == "failed" for row in attempts)
+            if failed >= options.failed or any(row[:2] == (index, seed) for row in attempts):
+                continue
+            one = chosen[index]
+            key = (one.program, one.robot, seed)
+            if key not in sound:
+                sound[key] = is_sound(one, seed, options)
+            outcome = "unsound"
+            if sound[key]:
+                row, succeeded = attempt(chosen, index, seed, options, keep)
+                outcome = "succeeded" if succeeded else "failed"
+                if succeeded:
+                    (keep / row.file).unlink()
+                else:
+                    enlist(row, keep)
+            attempts.append((index, seed, outcome))
+            with (keep / _ATTEMPTS).open("a") as rows:
+                print(json.dumps(attempts[-1]), file=rows)
+
+
+def attempted(keep: Path) -> list[tuple[int, int, str]]:
+    """Return index, seed and outcome of all attempts of a folder."""
+    file = keep / _ATTEMPTS
+    lines = file.read_text().splitlines() if file.exists() else []
+    return [(index, seed, outcome) for index, seed, outcome in map(json.loads, lines)]
+
+
+def attempt_table(chosen: Sequence[Injection], keep: Path) -> str:
+    """Return the numbers of failed and dropped episodes by injection as a table in Markdown."""
+    counts: dict[int, Counter[str]] = defaultdict(Counter)
+    for index, _, outcome in attempted(keep):
+        counts[index][outcome] += 1
+    lines = ["| injected | program | robot | failed | succeeded | unsound |"]
+    lines.append("| --- | --- | --- | --- | --- | --- |")
+    for index, of in sorted(counts.items()):
+        one = chosen[index]
+        numbers = " | ".join(str(of[name]) for name in ("failed", "succeeded", "unsound"))
+        lines.append(f"| {one.title} | {one.program} | {one.robot or 'dexter'} | {numbers} |")
+    return "\n".join(lines)
+
+
+def on_robot(injection: Injection) -> str | None:
+    """Return the name of the robot of an injection; ``None`` for the first one that fits."""
+    return injection.robot or ("panda" if injection.program == "pick" else None)
 
 
 class _End(EpisodeObserver):
@@ -173,6 +300,8 @@ def written(edits: Edits, folder: Path, program: str, limit: float = _TIME) -> s
     if not target.exists():
         target.write_text(library.text(library.locate(ProgramDocument, program)), "utf-8")
     text = target.read_text("utf-8")
+    if limit != _TIME and "episode_time:" not in text:
+        text = text.replace("\nlimits: {", "\nlimits: {episode_time: 90 s, ")
     target.write_text(text.replace("episode_time: 90 s", f"episode_time: {limit:g} s"), "utf-8")
     _write_used(library, target)
     return target
@@ -233,6 +362,7 @@ def main() -> None:
     parser.add_argument("--time", type=float, default=_TIME, help="Time of an episode, s.")
     parser.add_argument("--keep", type=Path, help="Folder that keeps the recordings.")
     parser.add_argument("--explain", type=Path, help="Folder of kept recordings: run none.")
+    parser.add_argument("--failed", type=int, help="Failed episodes of each kind to record.")
     parser.add_argument("--quiet", action="store_true", help="Record, and explain nothing.")
     options = parser.parse_args()
     chosen = DEVELOPED if options.set == "developed" else JUDGED
@@ -242,6 +372,10 @@ def main() -> None:
     with TemporaryDirectory() as temporary:
         keep = options.explain or options.keep or Path(temporary)
         keep.mkdir(parents=True, exist_ok=True)
+        if options.failed:
+            record_failures(chosen, own, options, keep)
+            print(attempt_table(chosen, keep))
+            return
         seeds = range(options.first, options.first + options.seeds)
         rows: Iterable[RecordedInjection] = (
             kept(keep, own)

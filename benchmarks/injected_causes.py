@@ -23,6 +23,7 @@ class Injection(NamedTuple):
         fault: Fault of world or backend, if any.
         stage: Name of the stage; empty for the program's.
         name: Name of a cause that is not on the list.
+        robot: Name of the robot; empty for the first one that fits.
     """
 
     kind: str
@@ -31,16 +32,12 @@ class Injection(NamedTuple):
     fault: Callable[[SimulatedBackend[Any]], WorldFault] | None = None
     stage: str = ""
     name: str = ""
+    robot: str = ""
 
     @property
     def title(self) -> str:
         """Name of the cause, or its kind."""
         return self.name or self.kind
-
-    @property
-    def values(self) -> Mapping[str, str]:
-        """Parameters of the program, by name."""
-        return {"robot": "panda"} if self.program == "pick" else {}
 
 
 def late(key: str, ticks: int) -> Callable[[SimulatedBackend[Any]], WorldFault]:

@@ -27,11 +27,13 @@ class Damage(NamedTuple):
         name: Name of the damage.
         program: Name of the program.
         edits: Replacements in the texts of programs and stages, by their names.
+        backend: Name of the backend; empty for that of the command.
     """
 
     name: str
     program: str
     edits: Edits
+    backend: str = ""
 
 
 _RETRIES = (
@@ -59,6 +61,62 @@ DAMAGES = (
         "pick_and_lift",
         {"pick_and_lift": [("right_arm, hand: right_hand", "left_arm, hand: left_hand")]},
     ),
+    Damage(
+        "short transitions",
+        "take_and_put_down",
+        {"take_and_put_down": [("transition_time: 15 s", "transition_time: 1 s")]},
+        "mujoco",
+    ),
+    Damage(
+        "a slow slide",
+        "press_and_slide",
+        {
+            "press_and_slide": [
+                (
+                    "    speed: 4 cm/s\n    acceleration: 0.3 m/s^2\n",
+                    "    speed: 1 mm/s\n    acceleration: 0.3 m/s^2\n",
+                )
+            ]
+        },
+    ),
+    Damage(
+        "an exit to an earlier step",
+        "twist",
+        {
+            "twist": [
+                (
+                    "turn at rest and track undefined: there_upright",
+                    "turn at rest and track undefined: settle",
+                )
+            ]
+        },
+    ),
+    Damage(
+        "little gain",
+        "touch_table",
+        {"touch_table": [("    gain: 2 /s\n", "    gain: 0.02 /s\n")]},
+    ),
+    Damage(
+        "a strict guard",
+        "bimanualgrab",
+        {"bimanualgrab": [("limits: {", "guards: {hand_force: 4 N}\nlimits: {")]},
+    ),
+    Damage(
+        "a long window",
+        "press_and_slide",
+        {"press_and_slide": [("rate: 0.5, window: 0.5 s", "rate: 0.5, window: 12 s")]},
+    ),
+    Damage(
+        "a weak hold",
+        "pick_and_place",
+        {"pick_and_place": [("hold($hand, $hand.hold,", "hold($hand, 0.3 N,")]},
+        "mujoco",
+    ),
+    Damage(
+        "a short handover",
+        "handover",
+        {"handover": [("episode_time: 120 s", "episode_time: 16 s")]},
+    ),
 )
 
 
@@ -85,19 +143,23 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--backend", default="kinematic")
     parser.add_argument("--seed", type=int, default=1200, help="Seed of the explained failure.")
+    parser.add_argument("--only", help="Name of one damage [all].")
     options = parser.parse_args()
     seeds = range(options.seed + 2000, options.seed + 2020)
     for damage in DAMAGES:
+        if options.only not in (None, damage.name):
+            continue
+        backend = damage.backend or options.backend
         with TemporaryDirectory() as folder:
             program = str(written(damage.edits, Path(folder), damage.program))
-            words = ("--backend", options.backend, "--cameras", "ideal", "--json", "--apply")
-            before = _rate(program, options.backend, seeds)
+            words = ("--backend", backend, "--cameras", "ideal", "--json", "--apply")
+            before = _rate(program, backend, seeds)
             (row,) = _cb("why", program, *words, "--seed", str(options.seed))
             patch, cause = row.get("patch"), row["cause"]
             line = {"damage": damage.name, "failed": row["failed"], "before": before}
             line["cause"] = cause["kind"] if isinstance(cause, dict) else None
             if isinstance(patch, dict):
-                after = _rate(program, options.backend, seeds)
+                after = _rate(program, backend, seeds)
                 low, high = exact_interval(after, len(seeds))
                 line |= {"edit": patch["edit"], "after": after, "interval": [low, high]}
             print(json.dumps(line, ensure_ascii=False), flush=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from developed_causes import DEVELOPED
-from first_causes import CauseVerdict, explained, kept, recorded, table, written
+from first_causes import CauseVerdict, explained, kept, on_robot, recorded, table, written
 from injected_causes import Injection
 from judged_causes import JUDGED
 
@@ -22,7 +22,7 @@ _ALL = [*(("developed", each) for each in DEVELOPED), *(("judged", each) for eac
 )
 def test_injection_makes_a_program_that_loads(injection: Injection, tmp_path: Path) -> None:
     program = written(injection.edits, tmp_path, injection.program)
-    request = cbdsl.load(program, stage=injection.stage or None, values=injection.values)
+    request = cbdsl.load(program, stage=injection.stage or None, robot=on_robot(injection))
     assert request.program.name == injection.program
 
 
