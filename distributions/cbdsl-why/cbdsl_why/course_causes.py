@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 
 from cbdsl.extend.diagnosis import last_rounds
-from cbdsl_why.history import END, FailureCause, History
+from cbdsl_why.history import END, ControllerCourse, FailureCause, History
 
 # Number of equal rounds that make a cycle.
 _ROUNDS = 3
 # Largest number of transitions of a round.
 _LONGEST = 12
-# Time before the end in which a member comes nearer if time is short, s, and by which share.
-_LATE, _NEARER = 0.5, 0.02
+# Times before the end in which a member comes nearer if time is short, s, and by which share in
+# the longer one: slow members need it, and members at rest come no nearer in the shorter one.
+_LATE, _LATEST, _NEARER = 2.0, 0.5, 0.02
+# Relative difference of errors that are limited, and motion of an arm that goes on, m.
+_SAME, _MOVES = 1e-3, 3e-3
 # Motion of closing fingers, rad or m, and age of a new state, s.
 _CLOSES, _RECENT = 1e-3, 2.0
 
@@ -66,10 +69,13 @@ def course(history: History) -> Iterator[FailureCause]:
 
 def _came_nearer(history: History) -> bool:
     """Return whether more time would have helped: a member came nearer to its target at the end."""
-    late = slice(-history.ticks(_LATE), None)
+    late, count = slice(-history.ticks(_LATE), None), history.ticks(_LATEST)
     for course in history.courses:
         errors = course.errors[late][course.acts[late]]
-        if course.member and len(errors) > 1 and errors[-1] < (1.0 - _NEARER) * errors[0]:
+        nearer = len(errors) > 1 and errors[-1] < (1.0 - _NEARER) * errors[0]
+        if course.member and nearer and errors[-1] < errors[-count:][0]:
+            return True
+        if course.member and len(errors) and _goes_on(history, course, late):
             return True
         # Fingers on their way to a contact have no error yet.
         if course.member and course.grasps and course.flag("seeking")[late].all():
@@ -78,6 +84,16 @@ def _came_nearer(history: History) -> bool:
             if len(moved) and moved.max() > _CLOSES:
                 return True
     return _is_new(history)
+
+
+def _goes_on(history: History, course: ControllerCourse, late: slice) -> bool:
+    """Return whether a member whose error is beyond what is measured moved its arm at the end."""
+    errors, arm = course.errors[late], course.effector.split(".")[0]
+    if arm not in history.summary["robot"].get("tips", {}) or not course.acts[late].all():
+        return False
+    is_beyond = float(np.ptp(errors)) < _SAME * float(errors[-1])
+    moved = np.linalg.norm(np.diff(history.palm_place(arm)[late][[0, -1]], axis=0))
+    return is_beyond and course.letters[-1] == "0" and bool(moved > _MOVES)
 
 
 def _is_new(history: History) -> bool:

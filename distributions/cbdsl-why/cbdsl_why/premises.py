@@ -28,8 +28,8 @@ _THROWN = 0.75
 # Force of a cell, N, from which its contact holds a joint back, and that a drive with a lag exerts;
 # and the share of that lag that a free joint has.
 _FELT, _FREE = 1.0, 0.1
-# Share of the grip that the load of an object has in successful episodes at most, times 1.5.
-_OVERLOAD = 0.45
+# Share of the grip above which a load is not held by friction alone.
+_OVERLOAD = 0.9
 # Load of an object that is no matter of fingers that move, N.
 _LOAD = 1.0
 # Time of images without a match that is no matter of partial views, s.

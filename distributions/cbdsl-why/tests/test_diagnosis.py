@@ -113,6 +113,13 @@ def test_diagnose_ignores_an_object_that_was_seen_later() -> None:
     assert _all(made(**facts, transitions=[])) == []
 
 
+def test_diagnose_of_a_slow_arm_far_from_its_target_names_time() -> None:
+    """An error beyond what is measured tells nothing; the motion of the arm does."""
+    slow = np.linspace([0.0, 0.0], [0.02, 0.0], 120)
+    limits = {"pick": {"episode_time": 2.0}}
+    assert "time" in _all(made(limits=limits, positions=slow, references=slow))
+
+
 def test_diagnose_of_an_episode_whose_members_stand_still_names_no_time() -> None:
     assert "time" not in _all(made(limits={"pick": {"episode_time": 2.0}}))
 
