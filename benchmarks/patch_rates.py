@@ -57,11 +57,6 @@ DAMAGES = (
         {"pick_and_lift": [("exits: [grip at rest: lift]", "exits: [grip at rest: ease]")]},
     ),
     Damage(
-        "the other arm",
-        "pick_and_lift",
-        {"pick_and_lift": [("right_arm, hand: right_hand", "left_arm, hand: left_hand")]},
-    ),
-    Damage(
         "short transitions",
         "take_and_put_down",
         {"take_and_put_down": [("transition_time: 15 s", "transition_time: 1 s")]},
