@@ -271,7 +271,7 @@ def _off_line(history: History, pair: tuple[str, str], tick: int, position: np.n
 def _kept_short(
     history: History, tick: int, signal: str, beside: FailureCause
 ) -> FailureCause | None:
-    """Return what kept the latest approach of an object so far from its target, if anything."""
+    """Return the obstacle that kept the latest approach of an object from its target, if any."""
     acted = [
         (int(np.flatnonzero(each.acts[: tick + 1])[-1]), each)
         for each in history.approaches

@@ -87,7 +87,7 @@ def _came_nearer(history: History) -> bool:
 
 
 def _goes_on(history: History, course: ControllerCourse, late: slice) -> bool:
-    """Return whether a member whose error is beyond what is measured moved its arm at the end."""
+    """Return whether a member with a limited error moved its arm at the end."""
     errors, arm = course.errors[late], course.effector.split(".")[0]
     if arm not in history.summary["robot"].get("tips", {}) or not course.acts[late].all():
         return False

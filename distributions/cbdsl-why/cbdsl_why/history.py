@@ -341,11 +341,10 @@ class History:
         """
         cells: Mapping[str, str] = self.summary["robot"].get("cells", {})
         own = {cell: link for cell, link in cells.items() if cell.split(".")[0] == hand}
-        felt = {
-            e.feedback.removesuffix(".force") for e in self.courses if e.grasps and e.hand == hand
-        }
-        if felt and felt <= own.keys():
-            own = {cell: own[cell] for cell in own if cell in felt}
+        grasps = [each for each in self.courses if each.grasps and each.hand == hand]
+        used = {each.feedback.removesuffix(".force") for each in grasps}
+        if used and used <= own.keys():
+            own = {cell: own[cell] for cell in own if cell in used}
         return [*(own or cells).values()]
 
     def centres(self, hand: str) -> Floats:

@@ -114,7 +114,7 @@ def test_diagnose_ignores_an_object_that_was_seen_later() -> None:
 
 
 def test_diagnose_of_a_slow_arm_far_from_its_target_names_time() -> None:
-    """An error beyond what is measured tells nothing; the motion of the arm does."""
+    """A limited error says nothing, but the motion of the arm does."""
     slow = np.linspace([0.0, 0.0], [0.02, 0.0], 120)
     limits = {"pick": {"episode_time": 2.0}}
     assert "time" in _all(made(limits=limits, positions=slow, references=slow))
