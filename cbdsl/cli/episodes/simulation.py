@@ -114,7 +114,8 @@ def ticks_compiled_meanwhile(clearances: Sequence[str | None]) -> Iterator[None]
     if len(os.sched_getaffinity(0)) < 2 or is_kept(tick):
         yield
         return
-    words = [sys.executable, "-c", _COMMAND.format(tuple(clearances))]
+    # Modules in the current folder, of another author, are not imported.
+    words = [sys.executable, "-P", "-c", _COMMAND.format(tuple(clearances))]
     none = subprocess.DEVNULL
     with subprocess.Popen(words, stdin=none, stdout=none, stderr=none) as other:
         try:

@@ -78,9 +78,10 @@ def _came_nearer(history: History) -> bool:
         if course.member and len(errors) and _goes_on(history, course, late):
             return True
         # Fingers on their way to a contact have no error yet.
-        if course.member and course.grasps and course.flag("seeking")[late].all():
+        latest = slice(-count, None)
+        if course.member and course.grasps and course.flag("seeking")[latest].all():
             joints = [c for e, c in history.cell_joints.items() if e.startswith(course.hand)]
-            moved = np.ptp(history.recorded.arrays["positions"][late][:, joints], axis=0)
+            moved = np.ptp(history.recorded.arrays["positions"][latest][:, joints], axis=0)
             if len(moved) and moved.max() > _CLOSES:
                 return True
     return _is_new(history)
