@@ -164,6 +164,32 @@ def test_hand_that_closes_before_the_last_approach_of_its_program_is_in_wrong_or
     assert "before posture had moved the hand" in getattr(diagnose(history).cause, "sentence", "")
 
 
+@pytest.mark.parametrize(("behind", "kind"), [("hand.centre", "wrong_order"), ("", "slip")])
+def test_hand_that_lost_an_object_had_closed_too_early_if_an_approach_was_left(
+    behind: str, kind: str
+) -> None:
+    triples = made().summary["triples"]
+    later = {**triples["reach"], "feedback": behind} if behind else triples["posture"]
+    history = made(
+        predicates=predicates(("0XX", 20), ("X1X", 60), ("X-X", 40)),
+        level_priority=np.where(
+            _TICK[:, None] < 20, [0, -1, -1], np.where(_TICK[:, None] < 80, [-1, 0, -1], [-1, 0, 1])
+        ),
+        triples={**triples, "posture": later},
+        **pressed(2.0, 0.02, slice(20, 80)),
+    )
+    assert _named(history) == (kind, 80)
+
+
+def test_hand_that_single_fingers_hold_by_has_only_these_fingers() -> None:
+    triples = made().summary["triples"]
+    assert made().fingers("hand", 0) == pytest.approx(np.array([[1, 0, 0], [1, 0.08, 0]]))
+    hold = {**triples["hold"], "feedback": "hand.finger.force"}
+    history = made(triples={**triples, "hold": hold})
+    assert history.fingers("hand", 0) == pytest.approx(np.array([[1, 0.08, 0]]))
+    assert (made().spread("hand", 0), history.spread("hand", 0)) == pytest.approx((0.04, 0.0))
+
+
 @pytest.mark.parametrize(("rests", "kind"), [("0", "no_grasp"), ("1", "slip")])
 def test_contact_that_ends_before_any_hold_is_no_grasp(rests: str, kind: str) -> None:
     history = made(

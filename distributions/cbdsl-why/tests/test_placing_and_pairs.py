@@ -93,15 +93,23 @@ def test_failed_drive_is_dated_by_the_rise_of_its_lag() -> None:
     assert abs(cause.tick - 42) <= 3
 
 
-def _placed(error: float) -> History:
-    """Return a hand that moves an object, and lets go before a camera compares it with its goal."""
+def _placed(error: float, axis: str = "0 0 1") -> History:
+    """Return a hand that moves an object, and lets go before a camera compares it with its goal.
+
+    Args:
+        error: Distance from the goal, m.
+        axis: Axis of the shoulder; a level one tilts the object.
+    """
     positions = np.zeros((TICKS, 2))
     positions[:, 0] = np.clip(_TICK - 30, 0, 20) * 0.02
     triples = made().summary["triples"]
     there = {**_PLAIN, "feedback": "red.to.green", "unit": "m", "effector": "head"}
     offset = {"type": "offset", "place": False, "channels": ["red", "green"]}
     letters = "1" if error < 0.05 else "0"
+    robot = made().summary["robot"]
+    turned = robot["urdf"].replace('<axis xyz="0 0 1"/>', f'<axis xyz="{axis}"/>', 1)
     return made(
+        robot={**robot, "urdf": turned},
         predicates=predicates(("X1X", 60), (f"XX{letters}", 60)),
         positions=positions,
         references=positions,
@@ -118,6 +126,40 @@ def test_object_that_was_measured_beside_its_goal_is_a_translation() -> None:
     found = [(each.kind, each.tick) for each in placings(_placed(0.2))]
     assert found == [("translation", 59)]
     assert not list(placings(_placed(0.02)))
+
+
+def test_object_that_its_hand_had_tilted_is_a_rotation() -> None:
+    (found,) = placings(_placed(0.2, axis="0 1 0"))
+    # The shoulder turned by 20 steps of 0.02 rad while the hand held the object.
+    assert (found.kind, found.tick) == ("rotation", 59)
+    assert found.numbers["angle"] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(("beside", "is_beside"), [(0.1, True), (0.03, False)])
+@pytest.mark.parametrize("is_seen", [True, False])
+def test_object_that_is_seen_beside_its_goal_at_the_end_is_a_translation(
+    beside: float, is_beside: bool, is_seen: bool
+) -> None:
+    positions = np.zeros((TICKS, 2))
+    positions[:, 0] = np.clip(_TICK - 30, 0, 20) * 0.02
+    triples = made().summary["triples"]
+    goal = {"type": "position", "place": True, "channels": ["green"]}
+    kind = "seen" if is_seen else "unseen"
+    history = made(
+        predicates=predicates(("01X", 60), ("XXX", 60)),
+        positions=positions,
+        references=positions,
+        channels=["red", "green"],
+        sight=np.full((TICKS, 2), [SIGHT.index(kind), SIGHT.index("seen")]),
+        triples={**triples, "reach": {**triples["reach"], "base": "stereo.green"}}
+        | {"posture": {**triples["reach"], "feedback": "stereo.red", "base": "stereo.green"}},
+        signals={**made().summary["signals"], "stereo.green": goal},
+        signal_stereo__red=np.tile([0.8, 0.1 + beside, 0.3], (TICKS, 1)),
+        signal_stereo__green=np.tile([0.8, 0.1, 0.0], (TICKS, 1)),
+        loads=pressed(2.0, 0.0, slice(0, 60))["loads"],
+    )
+    found = [(each.kind, each.tick, round(each.numbers["beside"], 6)) for each in placings(history)]
+    assert found == ([("translation", 59, beside)] if is_beside and is_seen else [])
 
 
 def test_object_under_a_condition_that_was_never_seen_is_named() -> None:
