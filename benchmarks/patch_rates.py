@@ -112,6 +112,57 @@ DAMAGES = (
         "handover",
         {"handover": [("episode_time: 120 s", "episode_time: 16 s")]},
     ),
+    # Numbers that calls and parameters are given: no rule was changed after these ran.
+    Damage("a weak grasp", "bring", {"bring": [("force: 8 N}", "force: 0.5 N}")]}, "mujoco"),
+    Damage(
+        "a weak squeeze",
+        "bimanualgrab",
+        {"bimanualgrab": [("squeeze(10 N, 1.5 s)", "squeeze(0.3 N, 1.5 s)")]},
+    ),
+    Damage(
+        "a long squeeze",
+        "bimanualgrab",
+        {"bimanualgrab": [("squeeze(10 N, 1.5 s)", "squeeze(10 N, 60 s)")]},
+    ),
+    Damage(
+        "a weak touch of one of two hands",
+        "bimanualtouch",
+        {"bimanualtouch": [("hold_still(right_hand, 6 N", "hold_still(right_hand, 0.1 N")]},
+    ),
+    Damage(
+        "a slow lift",
+        "take_and_put_down",
+        {"take_and_put_down": [("15 cm, 15 cm/s", "15 cm, 2 mm/s")]},
+        "mujoco",
+    ),
+    Damage(
+        "a slow lift of a carried object",
+        "bring",
+        {"bring": [("12 cm, 12 cm/s", "12 cm, 1 mm/s")]},
+        "mujoco",
+    ),
+    Damage(
+        "little gain of a descent",
+        "set_on",
+        {
+            "set_on": [
+                (
+                    "set_down($arm, $hand, hold, 2 N, 2 /s)",
+                    "set_down($arm, $hand, hold, 2 N, 0.02 /s)",
+                )
+            ]
+        },
+        "mujoco",
+    ),
+    Damage(
+        "little gain of a press",
+        "twist",
+        {
+            "twist": [
+                ("bear_on($arm, $hand, $press, 2 /s)", "bear_on($arm, $hand, $press, 0.02 /s)")
+            ]
+        },
+    ),
 )
 
 

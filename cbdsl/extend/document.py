@@ -42,8 +42,10 @@ if TYPE_CHECKING:
     from cbdsl.documents.kind import Kind
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.shared import SharedDocument
     from cbdsl.documents.stage import StageDocument
     from cbdsl.editor.fixes import Fix, replaced
+    from cbdsl.language.parameters import parameters_in
     from cbdsl.storage.contents import contents
     from cbdsl.storage.digest import digest_of_bytes
     from cbdsl.types.resource import ModelSignal, Origin, Resource
@@ -52,13 +54,15 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.library import Library, is_of
     from cbdsl.yaml_text.loaded import Loaded
     from cbdsl.yaml_text.node import Node
+    from cbdsl.yaml_text.shared_calls import terms_of
 
 __all__ = [
     "NAME_PATTERN", "UNKNOWN", "CheckedRobot", "Diagnostics", "Document", "Duration", "Entry",
     "FileSection", "Fix", "Kind", "Library", "Loaded", "ModelSignal", "Name", "Node", "Origin",
     "Outcome", "PositiveCount", "ProgramDocument", "Resource", "ResourceType", "RobotDocument",
-    "Section", "Session", "StageDocument", "Unknown", "compose", "contents", "digest_of_bytes",
-    "find_document", "is_of", "lines_of", "program_digest", "quantity", "replaced",
+    "Section", "Session", "SharedDocument", "StageDocument", "Unknown", "compose", "contents",
+    "digest_of_bytes", "find_document", "is_of", "lines_of", "parameters_in", "program_digest",
+    "quantity", "replaced", "terms_of",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

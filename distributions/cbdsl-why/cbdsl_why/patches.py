@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cbdsl import DiagnosticsError, UsageError, open_robot
 from cbdsl.api.documents import ProgramDocument, StageDocument, require_unlinked, write_text
 from cbdsl.api.shipped import shipped_folder
-from cbdsl.extend.document import compose, is_of
+from cbdsl.extend.document import is_of
+from cbdsl_why.given_values import GivenValues, ParameterScope
 from cbdsl_why.structural_patches import (
     ALLOCATION,
     EXITS,
@@ -24,7 +26,7 @@ from cbdsl_why.structural_patches import (
 if TYPE_CHECKING:
     from cbdsl import RunRequest
     from cbdsl.extend.command import RunOptions
-    from cbdsl.extend.document import Node
+    from cbdsl.extend.document import Library, Node
     from cbdsl_why.diagnosis import Diagnosis
     from cbdsl_why.history import History
 
@@ -36,7 +38,8 @@ _TIMES = ("transitions", "transition_time", "idle_time", "episode_time", "lost_t
 _LOADS = ("finger_force", "hand_force", "joint_torque")
 # Factors of a change, by key. Goals, tolerances and states of success never change.
 _FACTORS = {
-    **dict.fromkeys(("speed", "acceleration", "gain", "pace", "least"), (0.5, 2.0)),
+    **dict.fromkeys(("speed", "gain"), (0.5, 2.0, 10.0)),
+    **dict.fromkeys(("acceleration", "pace", "least"), (0.5, 2.0)),
     **dict.fromkeys(("window", *_LOADS), (2.0, 0.5)),
     **dict.fromkeys(_TIMES, (2.0, 4.0)),
     "reference": (2.0, 5.0, 0.5),
@@ -131,17 +134,9 @@ def patches(
         actions: Actions of the failed episode, in order; exits of the last ones come first.
         given: Parameters with values of the command line, whose defaults do not count.
     """
-    library, made = request.library, list[Patch]()
-    recent = [request.program.steps.get(action, action) for action in reversed(actions)]
-    for file in library.files:
-        is_stage = is_of(StageDocument, file)
-        if is_stage or is_of(ProgramDocument, file):
-            text = library.text(file)
-            whole = PatchedText(file, text, compose(text, str(file)).root)
-            made += _numbers(whole, whole.root, (), _OF_STAGES if is_stage else _FACTORS)
-            made += () if is_stage else changed_exits(whole, recent)
-            if library.real(file) == library.real(request.program_file):
-                made += changed_allocations(whole, request.robot, given)
+    changes = chain(_changes(request, actions, given), _shared_changes(request.library))
+    # An alias repeats a value, whose change is one.
+    made = {(each.file, each.text): each for each in changes}.values()
     order: dict[str, int] = {key: place for place, key in enumerate(_FIRST.get(kind, ()))}
     # Families take turns, so that no family uses up all trials; the world changes last.
     counts, turns = Counter[str](), list[tuple[int, bool, int, Patch]]()
@@ -150,6 +145,34 @@ def patches(
         turns.append((order.get(family, len(order)), family in _OF_STAGES, counts[family], patch))
         counts[family] += 1
     return [turn[-1] for turn in sorted(turns, key=lambda turn: turn[:-1])]
+
+
+def _changes(
+    request: RunRequest, actions: Sequence[str], given: Collection[str]
+) -> Iterator[Patch]:
+    """Yield the changes of programs and stages."""
+    library, values = request.library, GivenValues(request.library, _FACTORS)
+    recent = [request.program.steps.get(action, action) for action in reversed(actions)]
+    for file in library.files:
+        whole = PatchedText(file, library.text(file), values.root(file))
+        if is_of(StageDocument, file):
+            yield from _numbers(whole, whole.root, (), _OF_STAGES)
+        elif is_of(ProgramDocument, file):
+            yield from _numbers(whole, whole.root, (), _FACTORS)
+            yield from _given_numbers(whole, values, ParameterScope(file), given)
+            yield from changed_exits(whole, recent)
+            if library.real(file) == library.real(request.program_file):
+                yield from changed_allocations(whole, request.robot, given)
+
+
+def _shared_changes(library: Library) -> Iterator[Patch]:
+    """Yield the changes of the shared controllers that programs call."""
+    values = GivenValues(library, _FACTORS)
+    programs = [ParameterScope(file) for file in library.files if is_of(ProgramDocument, file)]
+    for scope in values.all_called(programs):
+        whole = PatchedText(scope.file, library.text(scope.file), values.root(scope.file))
+        yield from _numbers(whole, values.node(scope), scope.keys, _FACTORS)
+        yield from _given_numbers(whole, values, scope)
 
 
 def _numbers(
@@ -165,10 +188,36 @@ def _numbers(
     if isinstance(node.value, dict | list) or key not in factors or not place.end_column:
         return
     written = whole.written(node)
-    number = _NUMBER.match(written)
     # A force along normals is no goal of a motion, unlike a place.
-    if number is None or (key == "reference" and " along " not in written):
+    if key == "reference" and " along " not in written:
         return
-    for factor in factors[key]:
-        after = f"{float(number[0]) * factor:.4g}{written[number.end() :]}"
+    for after in _multiples(written, factors[key]):
         yield whole.patch(key, keys, [(node, after)])
+
+
+def _given_numbers(
+    whole: PatchedText, values: GivenValues, scope: ParameterScope, given: Collection[str] = ()
+) -> Iterator[Patch]:
+    """Yield the changes of numbers that a text gives to others, and to its own parameters."""
+    for each in values.given(scope):
+        written = whole.written(each.node) if each.node.place.end_column else ""
+        # A quoted text begins behind its quote.
+        start = written.find(str(each.node.value)) + each.start
+        if start >= each.start:
+            key = values.meaning(each.scope, each.parameter)
+            before, after = written[:start], written[start + len(each.value) :]
+            for other in _multiples(each.value, _FACTORS.get(key, ())):
+                keys = (*scope.keys, *each.keys)
+                yield whole.patch(key, keys, [(each.node, f"{before}{other}{after}")])
+    for name, node in values.parameters(scope):
+        key = "" if name in given else values.meaning(scope, name)
+        for other in _multiples(str(node.value), _FACTORS.get(key, ())):
+            yield whole.patch(key, ("parameters", name), [(node, other)])
+
+
+def _multiples(written: str, factors: Iterable[float]) -> Iterator[str]:
+    """Yield the multiples of a number with its unit, as written."""
+    number = _NUMBER.match(written)
+    if number is not None:
+        for factor in factors:
+            yield f"{float(number[0]) * factor:.4g}{written[number.end() :]}"
