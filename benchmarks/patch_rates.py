@@ -112,7 +112,6 @@ DAMAGES = (
         "handover",
         {"handover": [("episode_time: 120 s", "episode_time: 16 s")]},
     ),
-    # Numbers that calls and parameters are given: no rule was changed after these ran.
     Damage("a weak grasp", "bring", {"bring": [("force: 8 N}", "force: 0.5 N}")]}, "mujoco"),
     Damage(
         "a weak squeeze",
@@ -162,6 +161,37 @@ DAMAGES = (
                 ("bear_on($arm, $hand, $press, 2 /s)", "bear_on($arm, $hand, $press, 0.02 /s)")
             ]
         },
+    ),
+    # Written before the last change of the rules, and never tried before it.
+    Damage("a slow way", "handover", {"handover": [("speed: 25 cm/s", "speed: 2 mm/s")]}),
+    Damage("a weak grip", "show_ball", {"show_ball": [("4 N along", "0.2 N along")]}, "mujoco"),
+    Damage(
+        "a long rest",
+        "transport_hand",
+        {"transport_hand": [("rate: 0.05, window: 0.3 s", "rate: 0.05, window: 30 s")]},
+    ),
+    Damage("a slow turn", "visualinspect", {"visualinspect": [("0.15 rad/s", "0.005 rad/s")]}),
+    Damage(
+        "little gain of a press of two hands",
+        "reachtouch_bimanual",
+        {"reachtouch_bimanual": [("gain: 2 mm/s/N", "gain: 0.02 mm/s/N")]},
+    ),
+    Damage(
+        "a weak grasp of two hands",
+        "bring_with_both",
+        {"bring_with_both": [("force: 20 N, most", "force: 1 N, most")]},
+        "mujoco",
+    ),
+    Damage(
+        "a slow descent",
+        "take_from_side",
+        {"take_from_side": [("speed: 12 cm/s", "speed: 2 mm/s")]},
+        "mujoco",
+    ),
+    Damage(
+        "little gain of a way",
+        "touch_remembered",
+        {"touch_remembered": [("gain: 2 /s", "gain: 0.01 /s")]},
     ),
 )
 

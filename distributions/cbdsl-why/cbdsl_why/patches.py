@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 # Largest numbers of changes that are tried, on the seed of the failure and on fresh seeds.
 _MOST, _CHOSEN = 30, 3
+# Time before a cause in which a controller acted that may have to do with it, s.
+_BEFORE = 0.5
 # Fresh seeds are these numbers after the seed of the failure.
 _FRESH = range(1001, 1006)
 _TIMES = ("transitions", "transition_time", "idle_time", "episode_time", "lost_time")
@@ -40,16 +42,18 @@ _LOADS = ("finger_force", "hand_force", "joint_torque")
 _FACTORS = {
     **dict.fromkeys(("speed", "gain"), (0.5, 2.0, 10.0)),
     **dict.fromkeys(("acceleration", "pace", "least"), (0.5, 2.0)),
-    **dict.fromkeys(("window", *_LOADS), (2.0, 0.5)),
+    "window": (2.0, 0.5, 0.1),
+    **dict.fromkeys(_LOADS, (2.0, 0.5)),
     **dict.fromkeys(_TIMES, (2.0, 4.0)),
-    "reference": (2.0, 5.0, 0.5),
+    "reference": (2.0, 5.0, 20.0, 0.5),
     "height": (2.0,),
     "clearance": (0.5,),
 }
 # Numbers of stages, whose change makes another world.
 _OF_STAGES = {"mass": (0.5,), "friction": (2.0,)}
-# Keys and families that are tried first, by kind of cause.
-_FIRST = {
+# Keys and families that are the likeliest ones by kind of cause, and their turns for one of others.
+_TURNS = 4
+_LIKELY = {
     "slip": ("reference", "acceleration", "speed"),
     "no_grasp": ("reference", "window", "speed"),
     "time": ("transition_time", "episode_time", "transitions", "speed"),
@@ -90,7 +94,8 @@ def patched(
 
         fresh = [seed + later for later in _FRESH]
         kind = "" if diagnosis.cause is None else diagnosis.cause.kind
-        for patch in patches(request, kind, history.result["actions"], options.values):
+        actions, active = history.result["actions"], _active(history, diagnosis)
+        for patch in patches(request, kind, actions, options.values, active):
             try:
                 changed = options.request(
                     program, {patch.file: patch.text.encode("utf-8", "backslashreplace")}
@@ -113,6 +118,13 @@ def patched(
     return {"tried": tried, "patch": {"edit": str(best), "applied": apply, **rates}}
 
 
+def _active(history: History, diagnosis: Diagnosis) -> set[str]:
+    """Return the names of the controllers that acted just before the first cause, or the end."""
+    last = history.last if diagnosis.cause is None else diagnosis.cause.tick
+    span = slice(max(0, last - history.ticks(_BEFORE)), last + 1)
+    return {each.name.rpartition(".")[2] for each in history.courses if each.acts[span].any()}
+
+
 def _write(patch: Patch, request: RunRequest, named: Collection[Path]) -> None:
     """Write a change to its document, unless only a link of a folder leads there."""
     if patch.file.is_relative_to(shipped_folder()):
@@ -124,7 +136,11 @@ def _write(patch: Patch, request: RunRequest, named: Collection[Path]) -> None:
 
 
 def patches(
-    request: RunRequest, kind: str, actions: Sequence[str] = (), given: Collection[str] = ()
+    request: RunRequest,
+    kind: str,
+    actions: Sequence[str] = (),
+    given: Collection[str] = (),
+    active: Collection[str] = (),
 ) -> list[Patch]:
     """Return changes that may help against a kind of cause, in the order of their trials.
 
@@ -133,16 +149,19 @@ def patches(
         kind: Kind of the first cause; empty for an unknown one.
         actions: Actions of the failed episode, in order; exits of the last ones come first.
         given: Parameters with values of the command line, whose defaults do not count.
+        active: Controllers that acted when the cause began; their changes come first.
     """
     changes = chain(_changes(request, actions, given), _shared_changes(request.library))
     # An alias repeats a value, whose change is one.
-    made = {(each.file, each.text): each for each in changes}.values()
-    order: dict[str, int] = {key: place for place, key in enumerate(_FIRST.get(kind, ()))}
+    made = {(each.file, each.text): each for each in changes}
+    likely = _LIKELY.get(kind, ())
     # Families take turns, so that no family uses up all trials; the world changes last.
-    counts, turns = Counter[str](), list[tuple[int, bool, int, Patch]]()
-    for patch in made:
+    counts, turns = Counter[str](), list[tuple[bool, float, int, Patch]]()
+    for patch in sorted(made.values(), key=lambda each: not any(k in active for k in each.keys)):
         family = patch.family
-        turns.append((order.get(family, len(order)), family in _OF_STAGES, counts[family], patch))
+        place = likely.index(family) if family in likely else len(likely)
+        turn = counts[family] / (_TURNS if family in likely else 1)
+        turns.append((family in _OF_STAGES, turn, place, patch))
         counts[family] += 1
     return [turn[-1] for turn in sorted(turns, key=lambda turn: turn[:-1])]
 

@@ -95,6 +95,18 @@ def test_families_take_turns_and_the_world_changes_last() -> None:
     assert max(Counter(numbers[: len(set(numbers))]).values()) == 1
 
 
+def test_likely_families_take_more_turns_and_active_controllers_come_first() -> None:
+    request = load("pick_and_place")
+    families = [each.family for each in patches(request, "slip")]
+    first = families[: 4 * len(set(families))]
+    assert 0 < first.count("gain") < first.count("speed")
+    speeds = [each.keys for each in patches(request, "slip") if each.family == "speed"]
+    name = speeds[-1][1]
+    assert name != speeds[0][1]
+    changed = patches(request, "slip", active=(str(name),))
+    assert name in next(each.keys for each in changed if each.family == "speed")
+
+
 def test_why_offers_the_other_arm_for_a_place_out_of_reach(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
