@@ -30,13 +30,16 @@ _NOISE = 20_000
 
 
 def growth(work: Callable[[int], None], count: int) -> int:
-    """Return how much more memory Python holds after three times as much further work, bytes."""
+    """Return how much more memory Python holds after the same work once more, bytes.
+
+    Nine episodes still grow by 13 kB after three, by 8 kB after twelve, and by 1 kB after 60.
+    """
     tracemalloc.start()
     try:
         work(count)
         gc.collect()
         before = tracemalloc.get_traced_memory()[0]
-        work(3 * count)
+        work(count)
         gc.collect()
         return tracemalloc.get_traced_memory()[0] - before
     finally:
@@ -63,7 +66,7 @@ def test_ticks_of_a_served_robot_keep_no_memory(monkeypatch: pytest.MonkeyPatch)
                 received += len(link.poll())
                 link.send("body", command)
 
-        assert growth(work, 300) < _NOISE
+        assert growth(work, 900) < _NOISE
         assert received > 1000
     finally:
         link.close()
@@ -125,6 +128,6 @@ def test_episodes_of_a_program_keep_no_memory() -> None:
             for seed in range(episodes):
                 runner.run(request.stage, seed)
 
-        assert growth(work, 3) < _NOISE
+        assert growth(work, 12) < _NOISE
     finally:
         backend.close()
