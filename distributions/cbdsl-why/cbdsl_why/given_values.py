@@ -48,7 +48,7 @@ class GivenValue(NamedTuple):
     """Value that a text gives to a parameter.
 
     Attributes:
-        keys: Path of keys of the text.
+        path: Path of keys of the text in its document, and the parameter of a call.
         node: The text.
         start: Index of the first character of the value in it.
         value: The value.
@@ -56,7 +56,7 @@ class GivenValue(NamedTuple):
         parameter: Name of the parameter.
     """
 
-    keys: Keys
+    path: Keys
     node: Node
     start: int
     value: str
@@ -134,8 +134,9 @@ class GivenValues:
             names = _signature(callee.signature) if callee is not None else ()
             if callee is not None and len(names) == len(term.arguments):
                 for name, argument in zip(names, term.arguments, strict=True):
+                    path = (*scope.keys, *keys, name)
                     start = argument.span.start - 1
-                    yield GivenValue(keys, node, start, argument.text, callee, name)
+                    yield GivenValue(path, node, start, argument.text, callee, name)
 
     def callable(self, scope: ParameterScope) -> Mapping[str, ParameterScope]:
         """Return the shared controllers that a program, or a shared controller, may call."""

@@ -226,8 +226,8 @@ def _given_numbers(
             key = values.meaning(each.scope, each.parameter)
             before, after = written[:start], written[start + len(each.value) :]
             for other in _multiples(each.value, _FACTORS.get(key, ())):
-                keys = (*scope.keys, *each.keys)
-                yield whole.patch(key, keys, [(each.node, f"{before}{other}{after}")])
+                patch = whole.patch(key, each.path, [(each.node, f"{before}{other}{after}")])
+                yield patch._replace(before=each.value, after=other)
     for name, node in values.parameters(scope):
         key = "" if name in given else values.meaning(scope, name)
         for other in _multiples(str(node.value), _FACTORS.get(key, ())):

@@ -103,8 +103,8 @@ def test_numbers_of_calls_of_used_programs_and_of_parameters_are_changed(folder:
         "outer parameters.firm: 8 N",
         "outer use.then.with.force: 5 N",
         "inner parameters.force: 4 N",
-        'inner controllers.close: "close($force, 2 /s)"',
-        "pressing controllers.gently(force): close($force, 0.5 /s)",
+        "inner controllers.close.pace: 2 /s",
+        "pressing controllers.gently(force).pace: 0.5 /s",
         "pressing controllers.go(x, near).quiescence.window: 0.3 s",
     }
     assert not {each for each in _changed(folder, ("firm",)) if "parameters.firm" in each}
@@ -112,8 +112,10 @@ def test_numbers_of_calls_of_used_programs_and_of_parameters_are_changed(folder:
 
 def test_change_of_an_argument_leaves_the_rest_of_its_call(folder: Path) -> None:
     made = patches(load(folder / "outer.yaml"), "slip")
-    after = [each.after for each in made if each.keys == ("controllers", "close")]
-    assert after == [f'"close($force, {gain} /s)"' for gain in (1, 4, 20)]
+    edits = [each for each in made if each.keys == ("controllers", "close", "pace")]
+    assert [each.after for each in edits] == ["1 /s", "4 /s", "20 /s"]
+    for each in edits:
+        assert f'  close: "close($force, {each.after})"\n' in each.text
 
 
 @pytest.mark.parametrize(
