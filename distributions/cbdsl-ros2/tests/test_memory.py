@@ -32,7 +32,7 @@ _NOISE = 20_000
 def growth(work: Callable[[int], None], count: int) -> int:
     """Return how much more memory Python holds after the same work once more, bytes.
 
-    Nine episodes still grow by 13 kB after three, by 8 kB after twelve, and by 1 kB after 60.
+    Caches fill in the first work, which does not count.
     """
     tracemalloc.start()
     try:
