@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from cbdsl.checking.lookup.document_search import find_document
     from cbdsl.checking.robot.checked_robot import CheckedRobot
     from cbdsl.checking.session import Session
+    from cbdsl.diagnostics.diagnostic import Place
     from cbdsl.diagnostics.diagnostics import Diagnostics
     from cbdsl.diagnostics.entry import Entry
     from cbdsl.diagnostics.lines import lines_of
@@ -55,14 +56,16 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.loaded import Loaded
     from cbdsl.yaml_text.node import Node
     from cbdsl.yaml_text.shared_calls import terms_of
+    from cbdsl.yaml_text.shared_parts import SharedPart
+    from cbdsl.yaml_text.source_map import SourceMap
 
 __all__ = [
     "NAME_PATTERN", "UNKNOWN", "CheckedRobot", "Diagnostics", "Document", "Duration", "Entry",
     "FileSection", "Fix", "Kind", "Library", "Loaded", "ModelSignal", "Name", "Node", "Origin",
-    "Outcome", "PositiveCount", "ProgramDocument", "Resource", "ResourceType", "RobotDocument",
-    "Section", "Session", "SharedDocument", "StageDocument", "Unknown", "compose", "contents",
-    "digest_of_bytes", "find_document", "is_of", "lines_of", "parameters_in", "program_digest",
-    "quantity", "replaced", "terms_of",
+    "Outcome", "Place", "PositiveCount", "ProgramDocument", "Resource", "ResourceType",
+    "RobotDocument", "Section", "Session", "SharedDocument", "SharedPart", "SourceMap",
+    "StageDocument", "Unknown", "compose", "contents", "digest_of_bytes", "find_document", "is_of",
+    "lines_of", "parameters_in", "program_digest", "quantity", "replaced", "terms_of",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

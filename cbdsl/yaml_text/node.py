@@ -46,6 +46,15 @@ class Node:
         elif isinstance(self.value, list):
             yield from enumerate(self.value)
 
+    def texts(
+        self, path: tuple[str | int, ...] = ()
+    ) -> Iterator[tuple[tuple[str | int, ...], Node]]:
+        """Yield the texts at and below a path to this node, each with its path."""
+        if isinstance(self.value, str):
+            yield path, self
+        for step, child in self.steps():
+            yield from child.texts((*path, step))
+
     def drop(self, step: str | int) -> None:
         """Remove the value of a key or the item at an index, if it exists."""
         if isinstance(self.value, dict):

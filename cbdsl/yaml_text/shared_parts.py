@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import NamedTuple
 
@@ -93,7 +93,7 @@ def unused_parameters(
             unused.add("CB702", source.key("parameters", name), name=name)
     for part in parts.values():
         used = {
-            match[1] for _, node in _texts(part.node) for match in parameters_in(str(node.value))
+            match[1] for _, node in part.node.texts() for match in parameters_in(str(node.value))
         }
         for name in part.parameters:
             if name not in used:
@@ -117,7 +117,7 @@ def _check_parameters(
     part: SharedPart, loaded: Loaded[SharedDocument], faults: Diagnostics
 ) -> None:
     source = loaded.source
-    for path, node in _texts(part.node, _path(part)):
+    for path, node in part.node.texts(_path(part)):
         for match in parameters_in(str(node.value)):
             if match[1] not in part.parameters:
                 place = source.inside(path, match.start() + 1, match.end() + 1)
@@ -175,14 +175,6 @@ def agrees(call: Term, wanted: tuple[str, ...], place: Place, faults: Diagnostic
     return False
 
 
-def _texts(node: Node, path: Steps = ()) -> Iterator[tuple[Steps, Node]]:
-    """Yield the texts of a declaration with their paths."""
-    if isinstance(node.value, str):
-        yield path, node
-    for step, child in node.steps():
-        yield from _texts(child, (*path, step))
-
-
 def _filled(node: Node, values: Mapping[str, str], place: Place | None) -> Node:
     value = node.value
     copy = Node(place or node.place, filled(value, values) if isinstance(value, str) else value)
@@ -211,7 +203,7 @@ def as_program(
         diagnostics: Diagnostics so far.
     """
     # Quantities and names of controllers stand in places that no parameter of a program can have.
-    texts = (each for part in parts.values() for each in _texts(part.node))
+    texts = (each for part in parts.values() for each in part.node.texts())
     awaited = {node.value for path, node in texts if path[-1:] in (("requires",), ("once",))}
     values = {
         name: value if f"${name}" in awaited or value[:1] in "+-.0123456789" else f"${name}"

@@ -8,20 +8,22 @@ tolerance or a condition, stands for nothing that a patch may change.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from cbdsl.extend.document import (
-    Library,
-    Node,
     ProgramDocument,
     SharedDocument,
+    SourceMap,
     compose,
+    lines_of,
     parameters_in,
     terms_of,
 )
-from cbdsl_why.structural_patches import Keys
+
+if TYPE_CHECKING:
+    from cbdsl.extend.document import Library, Node, Place, SharedPart
+    from cbdsl_why.structural_patches import Keys
 
 # Sections of a program whose texts are compositions, and the key of those of its steps.
 _COMPOSITIONS, _DO = ("controllers", "background", "actions"), "do"
@@ -32,33 +34,28 @@ class ParameterScope(NamedTuple):
 
     Attributes:
         file: File of the document.
-        signature: Signature of a shared controller; empty for a program.
+        part: Name of a shared controller; empty for a program.
     """
 
     file: Path
-    signature: str = ""
-
-    @property
-    def keys(self) -> Keys:
-        """Path of keys of the text in its document."""
-        return ("controllers", self.signature) if self.signature else ()
+    part: str = ""
 
 
 class GivenValue(NamedTuple):
     """Value that a text gives to a parameter.
 
     Attributes:
-        path: Path of keys of the text in its document, and the parameter of a call.
-        node: The text.
-        start: Index of the first character of the value in it.
+        path: Path of keys of the text in its document, with the parameter of a call.
+        text: The text, with the value and the rest of its call.
+        place: Place of the value.
         value: The value.
         scope: Program or shared controller that declares the parameter.
         parameter: Name of the parameter.
     """
 
     path: Keys
-    node: Node
-    start: int
+    text: Node
+    place: Place
     value: str
     scope: ParameterScope
     parameter: str
@@ -75,10 +72,14 @@ class GivenValues:
     def __init__(self, library: Library, keys: Collection[str]) -> None:
         self._library, self._keys = library, keys
         self._meanings = dict[tuple[ParameterScope, str], str]()
-        self.root = cache(self._read)
+        self._sources = dict[Path, SourceMap]()
 
-    def _read(self, file: Path) -> Node:
-        return compose(self._library.text(file), str(file)).root
+    def source(self, file: Path) -> SourceMap:
+        """Return the values of a document as they are written, with their places."""
+        if file not in self._sources:
+            text = self._library.text(file)
+            self._sources[file] = SourceMap(file, lines_of(text), compose(text, str(file)).root)
+        return self._sources[file]
 
     def meaning(self, scope: ParameterScope, parameter: str) -> str:
         """Return the key that a parameter stands for; empty for none, or for anything else."""
@@ -94,9 +95,9 @@ class GivenValues:
         passed = [each for each in self.given(scope) if parameter in _parameters(each.value)]
         for each in passed:
             yield self.meaning(each.scope, each.parameter) if each.value == written else ""
-        for keys, text in _texts(node):
+        for keys, text in node.texts():
             times = _parameters(str(text.value)).count(parameter)
-            times -= sum(each.node is text for each in passed)
+            times -= sum(each.text is text for each in passed)
             if times:
                 key = str(keys[-1]) if keys else ""
                 is_value = key in self._keys and _is_value(key, str(text.value), written)
@@ -105,69 +106,76 @@ class GivenValues:
 
     def node(self, scope: ParameterScope) -> Node:
         """Return the declaration of a shared controller, or all of a program."""
-        return _at(self.root(scope.file), *scope.keys)
+        return self._part(scope).node if scope.part else self.source(scope.file).root
 
-    def parameters(self, scope: ParameterScope) -> Iterator[tuple[str, Node]]:
-        """Yield the parameters of a program with their values; a call gives those of another."""
-        if not scope.signature:
-            for name, node in _at(self.root(scope.file), "parameters").steps():
-                if node.place.end_column:
-                    yield str(name), node
+    def keys(self, scope: ParameterScope) -> Keys:
+        """Return the path of keys of a shared controller in its document; none for a program."""
+        return ("controllers", str(self._part(scope).signature)) if scope.part else ()
+
+    def _part(self, scope: ParameterScope) -> SharedPart:
+        return self._library.shared_parts(scope.file)[scope.part]
+
+    def _document(self, scope: ParameterScope) -> ProgramDocument:
+        return self._library.read_as_written(scope.file, ProgramDocument).document
 
     def given(self, scope: ParameterScope) -> Iterator[GivenValue]:
-        """Yield the values that a program, or a shared controller, gives to parameters."""
-        for keys, node in _texts(self.node(scope)):
-            if scope.signature or keys[0] in _COMPOSITIONS or keys[-1] == _DO:
-                yield from self._arguments(scope, keys, node)
-            elif keys[0] == "use" and keys[2:3] == ("with",) and len(keys) == 4:
-                name = _at(self.root(scope.file), *keys[:2], "program").value
-                file = self._library.find(ProgramDocument, str(name), scope.file)
-                if file is not None:
-                    yield GivenValue(
-                        keys, node, 0, str(node.value), ParameterScope(file), str(keys[-1])
-                    )
+        """Yield the values that a program, or a shared controller, gives to others."""
+        for keys, text in self.node(scope).texts():
+            if scope.part or keys[0] in _COMPOSITIONS or keys[-1] == _DO:
+                yield from self._arguments(scope, (*self.keys(scope), *keys), text)
+        for name, use in () if scope.part else self._document(scope).use.items():
+            file = self._library.find(ProgramDocument, use.program, scope.file)
+            if file is not None:
+                for parameter in use.with_:
+                    path = ("use", name, "with", parameter)
+                    yield self._whole(scope, path, ParameterScope(file))
 
-    def _arguments(self, scope: ParameterScope, keys: Keys, node: Node) -> Iterator[GivenValue]:
-        called = self.callable(scope)
-        for term in terms_of(str(node.value)):
-            callee = called.get(term.name)
-            names = _signature(callee.signature) if callee is not None else ()
-            if callee is not None and len(names) == len(term.arguments):
+    def defaults(self, scope: ParameterScope) -> Iterator[GivenValue]:
+        """Yield the values that a program gives to its own parameters."""
+        for name in () if scope.part else self._document(scope).parameters:
+            yield self._whole(scope, ("parameters", name), scope)
+
+    def _whole(self, scope: ParameterScope, path: Keys, called: ParameterScope) -> GivenValue:
+        node = self.source(scope.file).node(path)
+        return GivenValue(path, node, node.place, str(node.value), called, str(path[-1]))
+
+    def _arguments(self, scope: ParameterScope, path: Keys, text: Node) -> Iterator[GivenValue]:
+        callable_, source = self._callable(scope), self.source(scope.file)
+        for term in terms_of(str(text.value)):
+            called = callable_.get(term.name)
+            names = self._part(called).parameters if called is not None else ()
+            if called is not None and len(names) == len(term.arguments):
                 for name, argument in zip(names, term.arguments, strict=True):
-                    path = (*scope.keys, *keys, name)
-                    start = argument.span.start - 1
-                    yield GivenValue(path, node, start, argument.text, callee, name)
+                    place = source.inside(path, *argument.span)
+                    yield GivenValue((*path, name), text, place, argument.text, called, name)
 
-    def callable(self, scope: ParameterScope) -> Mapping[str, ParameterScope]:
+    def _callable(self, scope: ParameterScope) -> Mapping[str, ParameterScope]:
         """Return the shared controllers that a program, or a shared controller, may call."""
-        if scope.signature:
-            return self._shared(scope.file)
+        if scope.part:
+            return {
+                name: ParameterScope(scope.file, name) for name in self._controllers(scope.file)
+            }
         called = dict[str, ParameterScope]()
-        for document, names in _at(self.root(scope.file), "shared").steps():
-            file = self._library.find(SharedDocument, str(document), scope.file)
-            parts = self._shared(file) if file is not None else {}
-            taken = [str(each.value) for each in names.children()]
-            called |= {name: parts[name] for name in taken if name in parts}
+        for document, names in self._document(scope).shared.items():
+            file = self._library.find(SharedDocument, document, scope.file)
+            if file is not None:
+                known = self._controllers(file)
+                called |= {name: ParameterScope(file, name) for name in names if name in known}
         return called
+
+    def _controllers(self, file: Path) -> Collection[str]:
+        parts = self._library.shared_parts(file)
+        return [name for name, part in parts.items() if part.section == "controllers"]
 
     def all_called(self, scopes: Sequence[ParameterScope]) -> list[ParameterScope]:
         """Return the shared controllers that programs call, directly or by one another."""
         reached = list(scopes)
         for scope in reached:  # the list grows
-            callable_ = self.callable(scope)
-            texts = (str(node.value) for _, node in _texts(self.node(scope)))
+            callable_ = self._callable(scope)
+            texts = (str(text.value) for _, text in self.node(scope).texts())
             called = [callable_.get(term.name) for text in texts for term in terms_of(text)]
             reached += [each for each in dict.fromkeys(called) if each and each not in reached]
         return reached[len(scopes) :]
-
-    def _shared(self, file: Path) -> Mapping[str, ParameterScope]:
-        """Return the controllers of a shared document by name."""
-        signatures = [str(key) for key, _ in _at(self.root(file), "controllers").steps()]
-        return {
-            terms_of(each)[0].name: ParameterScope(file, each)
-            for each in signatures
-            if terms_of(each)
-        }
 
 
 def _is_value(key: str, text: str, written: str) -> bool:
@@ -182,27 +190,7 @@ def _parameters(text: str) -> list[str]:
     return [match[1] for match in parameters_in(text)]
 
 
-def _signature(text: str) -> tuple[str, ...]:
-    """Return the names of the parameters of a signature, in order."""
-    return tuple(each.text for term in terms_of(text) for each in term.arguments)
-
-
-def _texts(node: Node, keys: Keys = ()) -> Iterator[tuple[Keys, Node]]:
-    """Yield the texts below a node with their paths of keys."""
-    if isinstance(node.value, str):
-        yield keys, node
-    for step, child in node.steps():
-        yield from _texts(child, (*keys, step))
-
-
 def _mapping_keys(node: Node) -> Iterator[str]:
     for step, child in node.steps():
         yield str(step)
         yield from _mapping_keys(child)
-
-
-def _at(node: Node, *keys: str | int) -> Node:
-    """Return the value at a path of keys; nothing if there is none."""
-    for key in keys:
-        node = dict(node.steps()).get(key) or Node(node.place, None)
-    return node

@@ -296,6 +296,11 @@ class History:
         forces: Floats = loads.reshape(len(loads), len(self.summary["load_cells"]), 6)[..., :3]
         return forces
 
+    def acting(self, tick: int, seconds: float) -> set[str]:
+        """Return the unqualified names of the controllers that acted in a time, s, up to a tick."""
+        span = slice(max(0, tick - self.ticks(seconds)), tick + 1)
+        return {each.name.rpartition(".")[2] for each in self.courses if each.acts[span].any()}
+
     def closes(self, hand: str) -> Mask:
         """Return the ticks in which a controller of its forces moves a hand, (T,)."""
         acts = [e.acts for e in self.courses if e.grasps and (e.hand == hand or e.is_shared)]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +25,7 @@ from cbdsl_why.structural_patches import (
 if TYPE_CHECKING:
     from cbdsl import RunRequest
     from cbdsl.extend.command import RunOptions
-    from cbdsl.extend.document import Library, Node
+    from cbdsl.extend.document import Node
     from cbdsl_why.diagnosis import Diagnosis
     from cbdsl_why.history import History
 
@@ -94,7 +93,8 @@ def patched(
 
         fresh = [seed + later for later in _FRESH]
         kind = "" if diagnosis.cause is None else diagnosis.cause.kind
-        actions, active = history.result["actions"], _active(history, diagnosis)
+        last = history.last if diagnosis.cause is None else diagnosis.cause.tick
+        actions, active = history.result["actions"], history.acting(last, _BEFORE)
         for patch in patches(request, kind, actions, options.values, active):
             try:
                 changed = options.request(
@@ -116,13 +116,6 @@ def patched(
         _write(best, request, {Path(program), Path(options.stage or program)})
     rates = {"before": before, "after": after, "seeds": len(fresh)}
     return {"tried": tried, "patch": {"edit": str(best), "applied": apply, **rates}}
-
-
-def _active(history: History, diagnosis: Diagnosis) -> set[str]:
-    """Return the names of the controllers that acted just before the first cause, or the end."""
-    last = history.last if diagnosis.cause is None else diagnosis.cause.tick
-    span = slice(max(0, last - history.ticks(_BEFORE)), last + 1)
-    return {each.name.rpartition(".")[2] for each in history.courses if each.acts[span].any()}
 
 
 def _write(patch: Patch, request: RunRequest, named: Collection[Path]) -> None:
@@ -151,9 +144,8 @@ def patches(
         given: Parameters with values of the command line, whose defaults do not count.
         active: Controllers that acted when the cause began; their changes come first.
     """
-    changes = chain(_changes(request, actions, given), _shared_changes(request.library))
     # An alias repeats a value, whose change is one.
-    made = {(each.file, each.text): each for each in changes}
+    made = {(each.file, each.text): each for each in _changes(request, actions, given)}
     likely = _LIKELY.get(kind, ())
     # Families take turns, so that no family uses up all trials; the world changes last.
     counts, turns = Counter[str](), list[tuple[bool, float, int, Patch]]()
@@ -169,28 +161,23 @@ def patches(
 def _changes(
     request: RunRequest, actions: Sequence[str], given: Collection[str]
 ) -> Iterator[Patch]:
-    """Yield the changes of programs and stages."""
+    """Yield the changes of programs and stages, and last of the called shared controllers."""
     library, values = request.library, GivenValues(request.library, _FACTORS)
     recent = [request.program.steps.get(action, action) for action in reversed(actions)]
+    programs = [ParameterScope(file) for file in library.files if is_of(ProgramDocument, file)]
     for file in library.files:
-        whole = PatchedText(file, library.text(file), values.root(file))
+        whole = PatchedText(file, library.text(file), values.source(file).root)
         if is_of(StageDocument, file):
             yield from _numbers(whole, whole.root, (), _OF_STAGES)
-        elif is_of(ProgramDocument, file):
+        elif ParameterScope(file) in programs:
             yield from _numbers(whole, whole.root, (), _FACTORS)
             yield from _given_numbers(whole, values, ParameterScope(file), given)
             yield from changed_exits(whole, recent)
             if library.real(file) == library.real(request.program_file):
                 yield from changed_allocations(whole, request.robot, given)
-
-
-def _shared_changes(library: Library) -> Iterator[Patch]:
-    """Yield the changes of the shared controllers that programs call."""
-    values = GivenValues(library, _FACTORS)
-    programs = [ParameterScope(file) for file in library.files if is_of(ProgramDocument, file)]
     for scope in values.all_called(programs):
-        whole = PatchedText(scope.file, library.text(scope.file), values.root(scope.file))
-        yield from _numbers(whole, values.node(scope), scope.keys, _FACTORS)
+        whole = PatchedText(scope.file, library.text(scope.file), values.source(scope.file).root)
+        yield from _numbers(whole, values.node(scope), values.keys(scope), _FACTORS)
         yield from _given_numbers(whole, values, scope)
 
 
@@ -200,38 +187,32 @@ def _numbers(
     keys: tuple[str | int, ...],
     factors: Mapping[str, Sequence[float]],
 ) -> Iterator[Patch]:
-    """Yield the changes of the numbers of a value of a document."""
+    """Yield the changes of the numbers of a value of a document, but not of given values."""
     for step, child in node.steps():
-        yield from _numbers(whole, child, (*keys, step), factors)
+        if step not in ("parameters", "with"):
+            yield from _numbers(whole, child, (*keys, step), factors)
     place, key = node.place, str(keys[-1]) if keys else ""
     if isinstance(node.value, dict | list) or key not in factors or not place.end_column:
         return
-    written = whole.written(node)
+    written = whole.written(place)
     # A force along normals is no goal of a motion, unlike a place.
     if key == "reference" and " along " not in written:
         return
     for after in _multiples(written, factors[key]):
-        yield whole.patch(key, keys, [(node, after)])
+        yield whole.patch(key, keys, [(place, after)])
 
 
 def _given_numbers(
     whole: PatchedText, values: GivenValues, scope: ParameterScope, given: Collection[str] = ()
 ) -> Iterator[Patch]:
     """Yield the changes of numbers that a text gives to others, and to its own parameters."""
-    for each in values.given(scope):
-        written = whole.written(each.node) if each.node.place.end_column else ""
-        # A quoted text begins behind its quote.
-        start = written.find(str(each.node.value)) + each.start
-        if start >= each.start:
-            key = values.meaning(each.scope, each.parameter)
-            before, after = written[:start], written[start + len(each.value) :]
+    for each in (*values.given(scope), *values.defaults(scope)):
+        is_given = each.scope == scope and each.parameter in given
+        key = "" if is_given else values.meaning(each.scope, each.parameter)
+        # A text with escapes has no places of its parts.
+        if whole.written(each.place).strip("\"'") == each.value:
             for other in _multiples(each.value, _FACTORS.get(key, ())):
-                patch = whole.patch(key, each.path, [(each.node, f"{before}{other}{after}")])
-                yield patch._replace(before=each.value, after=other)
-    for name, node in values.parameters(scope):
-        key = "" if name in given else values.meaning(scope, name)
-        for other in _multiples(str(node.value), _FACTORS.get(key, ())):
-            yield whole.patch(key, ("parameters", name), [(node, other)])
+                yield whole.patch(key, each.path, [(each.place, other)])
 
 
 def _multiples(written: str, factors: Iterable[float]) -> Iterator[str]:

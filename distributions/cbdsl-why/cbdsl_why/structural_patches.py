@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from cbdsl.extend.document import Fix, lines_of, replaced
 
 if TYPE_CHECKING:
-    from cbdsl.extend.document import Node, RobotDocument
+    from cbdsl.extend.document import Node, Place, RobotDocument
 
 #: Families of structural changes; a change of a number has its key as its family.
 EXITS, ALLOCATION = "exits", "allocation"
@@ -49,21 +49,16 @@ class PatchedText(NamedTuple):
     text: str
     root: Node
 
-    def written(self, node: Node) -> str:
-        """Return a scalar as it is written."""
-        place = node.place
+    def written(self, place: Place) -> str:
+        """Return the text at a place in one line."""
         return lines_of(self.text)[place.line - 1][place.column - 1 : place.end_column - 1]
 
-    def patch(self, family: str, keys: Keys, changes: Sequence[tuple[Node, str]]) -> Patch:
-        """Return the change of some scalars to other texts."""
-        places = [(node.place, after) for node, after in changes]
-        fixes = [Fix(p.line, p.column, p.end_column, after) for p, after in places]
-        before, after = (
-            ", ".join(each)
-            for each in zip(*((self.written(n), a) for n, a in changes), strict=True)
-        )
-        text = replaced(self.text, fixes)
-        return Patch(self.file, places[0][0].line, keys, before, after, text, family)
+    def patch(self, family: str, keys: Keys, changes: Sequence[tuple[Place, str]]) -> Patch:
+        """Return the change of the texts at some places to others."""
+        fixes = [Fix(p.line, p.column, p.end_column, after) for p, after in changes]
+        before = ", ".join(self.written(place) for place, _ in changes)
+        after, text = ", ".join(after for _, after in changes), replaced(self.text, fixes)
+        return Patch(self.file, fixes[0].line, keys, before, after, text, family)
 
     def insertion(self, family: str, keys: Keys, node: Node, value: str) -> Patch:
         """Return the insertion of the last of some keys as the first one of a mapping."""
@@ -100,14 +95,14 @@ def changed_exits(whole: PatchedText, recent: Sequence[str] = ()) -> Iterator[Pa
         # Ends without success are the likeliest faults, then missing exits.
         for key, to, node in exits[name]:
             for other in back if to not in exits and to != "succeed" else ():
-                yield whole.patch(EXITS, (*keys, *key), [(node, other)])
+                yield whole.patch(EXITS, (*keys, *key), [(node.place, other)])
         section = steps.value[name]
         for other in back if section.keys and "failed" not in section.keys else ():
             yield whole.insertion(EXITS, (*keys, "failed"), section, other)
         for key, to, node in exits[name]:
             for other in exits if to in exits else ():
                 if other != to and far[other] >= far[to]:
-                    yield whole.patch(EXITS, (*keys, *key), [(node, other)])
+                    yield whole.patch(EXITS, (*keys, *key), [(node.place, other)])
 
 
 def _exits(section: Node) -> Iterator[tuple[Keys, str, Node]]:
@@ -155,7 +150,7 @@ def changed_allocations(
     for choice in islice(product(*others), _MOST_CHOICES) if ours else ():
         if len(set(choice)) == len({node.value for _, node in ours}):
             names = ", ".join(key for key, _ in ours)
-            changes = [(node, after) for (_, node), after in zip(ours, choice, strict=True)]
+            changes = [(node.place, after) for (_, node), after in zip(ours, choice, strict=True)]
             yield whole.patch(ALLOCATION, ("parameters", names), changes)
 
 

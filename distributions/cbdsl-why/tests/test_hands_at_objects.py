@@ -272,6 +272,14 @@ def test_fingers_are_where_plane_geometry_puts_them(seed: int) -> None:
         np.testing.assert_allclose(history.fingers("hand", tick)[:, :2], tips, atol=1e-9)
 
 
+def test_acting_controllers_are_those_of_the_time_before_a_tick() -> None:
+    levels = np.where(_TICK[:, None] < 60, [0, -1, -1], [-1, 0, -1])
+    history = made(level_priority=levels)
+    assert history.acting(50, 0.5) == {"reach"}
+    assert history.acting(75, 0.5) == {"reach", "hold"}
+    assert history.acting(TICKS - 1, 0.5) == {"hold"}
+
+
 def test_known_place_of_an_object_is_the_last_seen_one() -> None:
     places = np.tile([0.8, 0.1, 0.0], (TICKS, 1))
     places[:10], places[50:] = np.nan, np.nan
